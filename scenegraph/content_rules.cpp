@@ -21,6 +21,7 @@ public:
     void finite(float v, const char* value) const { require(std::isfinite(v), value, "finite"); }
     void at_least_0(float v, const char* value) const { require(std::isfinite(v) && v >= 0, value, "finite and 0 or more"); }
     void from_0_to_1(float v, const char* value) const { require(v >= 0 && v <= 1, value, "from 0 to 1"); }
+    void from_0_to_half_turn(float v, const char* value) const { require(v >= 0 && v <= 3.1416f, value, "from 0 to pi"); }
     template <class Vec>
     void color(Vec v, const char* value) const
     {
@@ -77,7 +78,7 @@ void check(const Material& m)
     rules.from_0_to_1(m.sheen_roughness, "the sheen's roughness");
     rules.from_0_to_1(m.anisotropy, "the anisotropy");
     rules.finite(m.anisotropy_rotation, "the anisotropy's rotation");
-    rules.at_least_0(m.specular, "the specular share");
+    rules.from_0_to_1(m.specular, "the specular share");
     rules.at_least_0(m.ior, "the index of refraction");
     rules.at_least_0(m.thickness, "the thickness");
     // An infinite distance is glTF's default, and makes the body clear.
@@ -85,7 +86,7 @@ void check(const Material& m)
     rules.finite(m.normal_scale, "the scale of the normal map");
     rules.finite(m.clearcoat_normal_scale, "the scale of the clearcoat's normal map");
     rules.finite(m.bump_scale, "the scale of the bump map");
-    rules.finite(m.occlusion_strength, "the strength of the occlusion map");
+    rules.from_0_to_1(m.occlusion_strength, "the strength of the occlusion map");
     rules.finite(m.alpha_cutoff, "the alpha cutoff");
     for (const TextureUse* use : texture_uses(m)) check_use(rules, *use);
 }
@@ -103,8 +104,8 @@ void check(const Light& light)
     const auto check_kind = Overloaded{[&](const PointLight& point) {
                                            rules.color(point.intensity, "the intensity");
                                            rules.at_least_0(point.range, "the range");
-                                           rules.at_least_0(point.inner_angle, "the inner angle");
-                                           rules.at_least_0(point.outer_angle, "the outer angle");
+                                           rules.from_0_to_half_turn(point.inner_angle, "the inner angle");
+                                           rules.from_0_to_half_turn(point.outer_angle, "the outer angle");
                                        },
                                        [&](const SunLight& sun) { rules.color(sun.irradiance, "the irradiance"); },
                                        [&](const AreaLight& area) {

@@ -24,7 +24,7 @@ struct Contents {
         Lights = 1,       ///< a placed light
         Emitters = 2,     ///< a surface whose material has an emission that is not zero
         Passing = 4,      ///< a surface that light may pass straight on, but for the holes of a mask: see may_pass()
-        OverWhite = 8,    ///< a surface whose base colour is not within [0, 1]
+        OverLimit = 8,    ///< a surface whose material has a value beyond a limit (scenegraph/material_limits.h)
         Displaced = 16,   ///< a displaced cage
         Subdivided = 32,  ///< a cage that is diced: a subdivision surface, or a cage that is made on demand
         Masked = 64,      ///< a surface with an alpha mask, which may have holes

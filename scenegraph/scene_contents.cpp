@@ -7,6 +7,7 @@
 #include "base/cancellation.h"
 #include "base/error_without_file.h"
 #include "scenegraph/child_boxes.h"
+#include "scenegraph/material_limits.h"
 #include "scenegraph/scene_state.h"
 #include "scenegraph/shown_nodes.h"
 
@@ -41,11 +42,11 @@ bool may_pass(const Material& m) noexcept { return m.alpha_mode == AlphaMode::Ma
 
 Contents::Kinds kinds_of(const Material& m) noexcept
 {
-    const Vec3f c(m.base_color);
-    const bool is_within = c.x >= 0 && c.x <= 1 && c.y >= 0 && c.y <= 1 && c.z >= 0 && c.z <= 1;
+    const bool is_within = has_base_color_within_limits(m) && has_factors_within_limits(m) &&
+                           has_transforms_within_limits(m);
     return static_cast<Contents::Kinds>(
         (m.emission != Vec3f(0) ? Contents::Emitters : 0) | (blends_or_is_clear(m) ? Contents::Passing : 0) |
-        (m.alpha_mode == AlphaMode::Mask ? Contents::Masked : 0) | (is_within ? 0 : Contents::OverWhite) |
+        (m.alpha_mode == AlphaMode::Mask ? Contents::Masked : 0) | (is_within ? 0 : Contents::OverLimit) |
         (bounds_absorbing_body(m) ? Contents::Absorbing : 0));
 }
 

@@ -150,7 +150,7 @@ void Environment::take(Kept table) noexcept
 {
     if (table->is_one_color) {
         kind_ = Kind::Constant;
-        scale_ *= table->darkest;
+        scale_ = limited(scale_ * table->darkest);
     }
     rows_ = table->rows;
     cells_ = table->cells;
@@ -180,10 +180,7 @@ Vec3f Environment::radiance(Vec3f direction) const noexcept
     return texel(uv_of(direction));
 }
 
-Vec3f Environment::texel(Vec2f uv) const noexcept
-{
-    return scale_ * glm::max(Vec3f(textures_->sample(image_, uv, 0)), Vec3f(0));
-}
+Vec3f Environment::texel(Vec2f uv) const noexcept { return limited(scale_ * Vec3f(textures_->sample(image_, uv, 0))); }
 
 // Rotates a direction back about +y.
 Vec3f Environment::in_axes_of_image(Vec3f d) const noexcept

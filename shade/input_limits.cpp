@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "base/overloaded.h"
+#include "scenegraph/material_limits.h"
 #include "scenegraph/shown_nodes.h"
 #include "shade/frame_lights.h"
 
@@ -25,11 +26,7 @@ bool is_beyond(const Light& light, const FrameScale& scale) noexcept
 }
 
 // Returns true if a surface would reflect more light than it receives. The colour of an unlit material is not limited.
-bool is_too_white(const Material& m) noexcept
-{
-    const Vec3f c(m.base_color);
-    return !m.unlit && !(c.x <= 1 && c.y <= 1 && c.z <= 1);
-}
+bool is_too_white(const Material& m) noexcept { return !m.unlit && !has_base_color_within_limits(m); }
 
 // Counts the placed lights that the frame leaves out.
 std::size_t lights_out_of_reach(const Scene& scene, const FrameScale& scale)
@@ -44,6 +41,21 @@ std::size_t lights_out_of_reach(const Scene& scene, const FrameScale& scale)
     return count;
 }
 
+// Counts the nodes that reach beyond the largest coordinate at a key of the shutter, though not in their pose.
+std::size_t nodes_that_leave(const Scene& scene)
+{
+    std::size_t count = 0;
+    for_each_shown_node(scene, Contents::Moving, [&](NodeId, const Node& node) {
+        const auto is_far = [&](const Mat4d& parent_from_node) {
+            const Box3d box = transform_box(parent_from_node, node.bounds);
+            return !box.is_empty() && !(box.largest_coordinate() <= double(kMaxCoordinate));
+        };
+        count += !is_far(node.parent_from_node) &&
+                 std::ranges::any_of(node.keys, [&](const NodeKey& key) { return is_far(key.parent_from_node); });
+    });
+    return count;
+}
+
 }  // namespace
 
 std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, const FrameScale& scale)
@@ -54,7 +66,7 @@ std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, 
         for (const MaterialId id : ids)
             if (const Material* m = scene.find(id)) materials.insert(m);
     };
-    constexpr Contents::Kinds kKinds = Contents::OverWhite | Contents::Emitters | Contents::Lights;
+    constexpr Contents::Kinds kKinds = Contents::OverLimit | Contents::Emitters | Contents::Lights;
     for_each_shown_node(scene, kKinds, [&](NodeId, const Node& node) {
         look(node.materials);
         for (const CageId id : node.cages)
@@ -63,6 +75,10 @@ std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, 
     });
     const auto too_white = std::count_if(materials.begin(), materials.end(),
                                          [](const Material* m) { return is_too_white(*m); });
+    const auto too_large = std::count_if(materials.begin(), materials.end(),
+                                         [](const Material* m) { return !has_factors_within_limits(*m); });
+    const auto too_far = std::count_if(materials.begin(), materials.end(),
+                                       [](const Material* m) { return !has_transforms_within_limits(*m); });
     const auto too_bright = std::count_if(materials.begin(), materials.end(),
                                           [](const Material* m) { return is_beyond(m->emission); }) +
                             std::count_if(lights.begin(), lights.end(),
@@ -72,6 +88,16 @@ std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, 
     if (too_white > 0)
         lines.push_back("materials whose base colour is above 1, which reflect as if it were 1: " +
                         std::to_string(too_white));
+    if (too_large > 0)
+        lines.push_back(
+            "materials with an alpha, a reflectance or a colour of sheen or attenuation above 1, an index of refraction "
+            "above "
+            "100 or a scale of a normal map above 10000, which were clamped: " +
+            std::to_string(too_large));
+    if (too_far > 0)
+        lines.push_back(
+            "materials with numbers above 1e6 in the transform of a texture, which tell no texel from another: " +
+            std::to_string(too_far));
     if (too_bright > 0)
         lines.push_back(
             "lights, environments and emissions that are not a number or brighter than 1e12, which were clamped: " +
@@ -79,6 +105,10 @@ std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, 
     if (const std::size_t far = lights_out_of_reach(scene, scale); far > 0)
         lines.push_back("lights that are farther away than 1e15 times the size of the scene, which were left out: " +
                         std::to_string(far));
+    if (const std::size_t leave = nodes_that_leave(scene); leave > 0)
+        lines.push_back(
+            "nodes that reach beyond 1e16 while the shutter is open, beside which the rest of the scene may vanish: " +
+            std::to_string(leave));
     return lines;
 }
 

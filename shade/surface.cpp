@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <glm/common.hpp>
 
+#include "scenegraph/material_limits.h"
 #include "shade/albedo_table.h"
 #include "shade/bump.h"
 #include "shade/fresnel.h"
@@ -57,6 +58,7 @@ MapAxes axes_of(const TextureUse& use, Vec3f outward, const ShadePoint& p) noexc
 Vec3f mapped_normal(const TextureUse& use, Vec3f t, float scale, const ShadePoint& p) noexcept
 {
     if (!use || p.tangent == Vec3f(0)) return p.normal_shading;
+    scale = std::clamp(scale, -kMaxNormalScale, kMaxNormalScale);
     const Vec3f outward = p.back_side ? -p.normal_shading : p.normal_shading;
     const MapAxes axes = axes_of(use, outward, p);
     const Vec3f n = axes.right * (t.x * scale) + axes.up * (t.y * scale) + outward * t.z;
@@ -95,8 +97,8 @@ struct Dielectric {
 // Returns the reflectance at both ends of the angle, by KHR_materials_ior and KHR_materials_specular.
 Dielectric dielectric_of(const Material& m, const MaterialValues& values) noexcept
 {
-    const float root = (m.ior - 1) / (m.ior + 1);
-    const float specular = std::max(values.specular, 0.0f);  // texels of floats may be below 0
+    const float ior = std::min(m.ior, kMaxIor), root = (ior - 1) / (ior + 1);
+    const float specular = std::clamp(values.specular, 0.0f, 1.0f);  // texels of floats may be beyond either
     return {glm::clamp(root * root * values.specular_color, 0.0f, 1.0f) * specular, specular};
 }
 
@@ -153,7 +155,8 @@ void add_transmission(const Material& m, const MaterialValues& values, const Die
         s.solid_share = std::min(share, 1.0f);
         mix_opaque_rest(values, metallic, dielectric, s);
         s.transmission = tint_of_crossing(s.base_color);
-        s.eta = back_side ? 1 / m.ior : m.ior;
+        const float ior = std::min(m.ior, kMaxIor);
+        s.eta = back_side ? 1 / ior : ior;
         s.absorption_inside = absorption_in(m);
         return;
     }

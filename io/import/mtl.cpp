@@ -19,6 +19,8 @@ namespace {
 constexpr float kMissingColor = 0.5f;  // a colour whose image is missing is grey
 constexpr std::size_t kMaxLibraryBytes = std::size_t(256) << 20;
 
+constexpr float kLeastUnknownIor = 10;  // an index from this one on is none of a dielectric, and is not taken
+
 float unit(float x) { return x >= 0 ? std::min(x, 1.0f) : 0.0f; }
 Vec3f not_negative(const float (&c)[3])
 {
@@ -183,8 +185,34 @@ private:
         }
     }
 
+    // Counts what the values of a statement are changed to, because they are out of its range.
+    void warn_of_range(const tinyobj::material_t& m, const char* statement, bool is_within)
+    {
+        if (!is_within) report_.warn(std::string("a value of ") + statement + " is out of range", "material " + m.name);
+    }
+    void warn_of_ranges(const tinyobj::material_t& m)
+    {
+        const auto is_unit = [](float x) { return !is_given(x) || (x >= 0 && x <= 1); };
+        const auto is_color = [](const float(&c)[3]) {
+            const bool is_given_at_all = is_given(c[0]) || is_given(c[1]) || is_given(c[2]);
+            return !is_given_at_all || not_negative(c) == Vec3f(c[0], c[1], c[2]);
+        };
+        warn_of_range(m, "Kd", is_color(m.diffuse));
+        warn_of_range(m, "Ke", is_color(m.emission));
+        warn_of_range(m, "d", is_unit(m.dissolve));
+        warn_of_range(m, "Pr", is_unit(m.roughness));
+        warn_of_range(m, "Pm", is_unit(m.metallic));
+        warn_of_range(m, "Pc", is_unit(m.clearcoat_thickness));
+        warn_of_range(m, "Pcr", is_unit(m.clearcoat_roughness));
+        // The exponent is at most 1000 by the specification, and at most 10000 in files of other programs. Indices of less
+        // than 1 stand for none.
+        warn_of_range(m, "Ns", m.shininess >= 0 && m.shininess <= 1e6f);
+        warn_of_range(m, "Ni", !is_given(m.ior) || (m.ior >= 0 && m.ior < kLeastUnknownIor));
+    }
+
     Material convert(const tinyobj::material_t& m)
     {
+        warn_of_ranges(m);
         Material material;
         material.name = m.name;
         Vec3f diffuse = not_negative(m.diffuse);
@@ -219,7 +247,7 @@ private:
         if (material.metallic_texture) material.metallic = m.metallic > 0 ? unit(m.metallic) : 1;
         if (is_diffuse_alone(m)) material.specular = 0;
         add_normals(m, material);
-        if (m.ior >= 1 && m.ior < 10) material.ior = m.ior;
+        if (m.ior >= 1 && m.ior < kLeastUnknownIor) material.ior = m.ior;
         material.clearcoat = unit(m.clearcoat_thickness);
         material.clearcoat_roughness = unit(m.clearcoat_roughness);
         return material;

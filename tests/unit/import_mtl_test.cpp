@@ -127,6 +127,19 @@ TEST(ImportMtl, WhatCannotBeReadGetsItsDefaultAndAWarning)
     EXPECT_TRUE(warns(values.scene, "a value of a material is not a number: it is left out (m.mtl, line 2, first of 5)"));
 }
 
+TEST(ImportMtl, ValuesOutOfTheirRangeAreCountedByStatement)
+{
+    for (const char* line : {"Kd -0.5 0 0", "Ke 1 -2 0", "d 1e30", "d -0.5", "Pr 7", "Pm 3e38", "Pm -3", "Pc 2", "Pcr -0.25",
+                             "Ns 1e30", "Ns -4", "Ni 3e38", "Ni -2"}) {
+        const Loaded loaded(std::string(line) + "\n");
+        const std::string statement(line, std::string(line).find(' '));
+        EXPECT_TRUE(warns(loaded.scene, "a value of " + statement + " is out of range (material m)")) << line;
+    }
+    for (const char* line :
+         {"Kd 0.5 0 0", "Ke 100 2 0", "d 0.5", "Pr 1", "Pm 0", "Pc 1", "Pcr 0", "Ns 1000", "Ni 0", "Ni 2.4", ""})
+        EXPECT_TRUE(Loaded(std::string(line) + "\n").scene.warnings.empty()) << line;
+}
+
 TEST(ImportMtl, OpacityWithAHaloKeepsItsNumber)
 {
     const Loaded loaded("d -halo 0.25\n");

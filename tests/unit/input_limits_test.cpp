@@ -104,5 +104,67 @@ TEST(InputLimits, NoSurfaceReflectsMoreLightThanItGets)
     }
 }
 
+// Each of these materials has one factor far beyond its limit, and lets the furnace of radiance 1 see no more than that.
+TEST(InputLimits, FactorsBeyondTheirLimitsAreClampedAndCounted)
+{
+    constexpr float kHuge = 3e38f;
+    const std::vector<std::pair<const char*, void (*)(Material&)>> cases{
+        {"alpha", [](Material& m) { m.base_color.w = kHuge, m.alpha_mode = AlphaMode::Blend; }},
+        {"sheen", [](Material& m) { m.sheen_color = Vec3f(kHuge), m.sheen_roughness = 0.5f; }},
+        {"specular", [](Material& m) { m.specular_color = Vec3f(kHuge); }},
+        {"ior", [](Material& m) { m.ior = kHuge; }},
+        {"glass", [](Material& m) { m.ior = kHuge, m.transmission = 1, m.thickness = 1; }},
+        {"attenuation",
+         [](Material& m) {
+             m.attenuation_color = Vec3f(kHuge), m.attenuation_distance = 1, m.transmission = 1, m.thickness = 1;
+         }},
+        {"normal", [](Material& m) { m.normal_scale = kHuge; }},
+        {"coat", [](Material& m) { m.clearcoat = 1, m.clearcoat_normal_scale = -kHuge; }},
+    };
+    for (const auto& [name, set] : cases) {
+        Material material;
+        set(material);
+        Scene scene = scene_of(material);
+        Texture bumpy;
+        bumpy.role = TextureRole::Data;
+        bumpy.width = bumpy.height = 2;
+        bumpy.pixels = {Vec4f(0.9f, 0.5f, 0.9f, 1), Vec4f(0.1f, 0.5f, 0.9f, 1), Vec4f(0.5f), Vec4f(0.5f, 0.9f, 0.8f, 1)};
+        Material mapped = material;
+        mapped.normal_texture.texture = mapped.clearcoat_normal_texture.texture = scene.add(std::move(bumpy));
+        Cage square = textured_square();
+        square.materials = {scene.add(mapped)};
+        place(scene, scene.add(std::move(square)), Vec3d(0, 2, 0));
+        scene.environment.radiance = Vec3f(1);
+        const Picture p = picture_of(scene);
+        EXPECT_TRUE(p.is_finite) << name;
+        EXPECT_LT(p.brightest, 2) << name << ": a sample may vary, the mean is 1";
+        EXPECT_TRUE(p.warns_of("which were clamped: 2")) << name;
+    }
+    Scene usual = scene_of({});
+    EXPECT_FALSE(picture_of(usual).warns_of("clamped"));
+}
+
+TEST(InputLimits, TransformsOfTexturesBeyondMeasureAreCounted)
+{
+    for (const int field : {0, 1, 2})
+        for (const float value : {1e7f, -3e38f}) {
+            Scene scene;
+            Material material;
+            Texture image;
+            image.width = image.height = 2;
+            image.pixels.assign(4, Vec4f(0.5f));
+            material.base_color_texture.texture = scene.add(std::move(image));
+            if (field == 0) material.base_color_texture.offset.y = value;
+            if (field == 1) material.base_color_texture.scale.x = value;
+            if (field == 2) material.base_color_texture.rotation = value;
+            Cage square = textured_square();
+            square.materials = {scene.add(material)};
+            place(scene, scene.add(std::move(square)), Vec3d(0));
+            const Picture p = picture_of(scene);
+            EXPECT_TRUE(p.is_finite) << field;
+            EXPECT_TRUE(p.warns_of("in the transform of a texture, which tell no texel from another: 1")) << field << value;
+        }
+}
+
 }  // namespace
 }  // namespace occam::test

@@ -41,7 +41,7 @@ struct Placement {
 void expect_what_a_walk_finds(Scene& scene, int step)
 {
     constexpr Contents::Kinds kMasks[] = {
-        Contents::Lights,     Contents::Emitters, Contents::Passing,  Contents::OverWhite | Contents::Displaced,
+        Contents::Lights,     Contents::Emitters, Contents::Passing,  Contents::OverLimit | Contents::Displaced,
         Contents::Subdivided, Contents::Masked,   Contents::Absorbing};
     scene.refit();
     Contents all;

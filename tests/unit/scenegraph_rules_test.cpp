@@ -102,6 +102,14 @@ TEST(SceneRules, ValuesThatNothingCanHaveAreRefused)
     refuses([&](Material& m) { m.anisotropy_texture.scale.x = nan; });
     refuses([&](Material& m) { m.glossiness_texture.offset.y = nan; });
     refuses([&](Material& m) { m.normal_texture.scale.x = nan; });
+    for (const float share : {-0.1f, 1.1f, 3e38f, nan}) {
+        refuses([&](Material& m) { m.specular = share; });
+        refuses([&](Material& m) { m.occlusion_strength = share; });
+    }
+    for (const float angle : {-0.1f, 3.15f, 1e20f, nan}) {
+        EXPECT_THROW(scene.add(Light{"l", PointLight{.outer_angle = angle}}), Error) << angle;
+        EXPECT_THROW(scene.add(Light{"l", PointLight{.inner_angle = angle}}), Error) << angle;
+    }
     EXPECT_EQ(scene.material(known).name, "known");
     EXPECT_THROW(scene.add(Light{"l", PointLight{Vec3f(nan)}}), Error);
     EXPECT_THROW(scene.add(Light{"l", SunLight{Vec3f(-1)}}), Error);
