@@ -23,11 +23,18 @@ double remainder(float x, double k) noexcept
     return (double(x) - k * kHigh) - k * kLow;
 }
 
-Reduced reduce(float x) noexcept
+// Returns an angle whose remainder is that of a number. From 2^30 on, where products with parts of pi/2 are rounded by more
+// than a turn, full turns are taken away first.
+float within_turns(float x) noexcept
 {
+    return std::fabs(x) < 0x1p30f ? x : static_cast<float>(std::fmod(double(x), 2 * kPiD));
+}
+
+Reduced reduce(float any) noexcept
+{
+    const float x = within_turns(any);
     const double k = std::floor(double(x) * (2 / kPiD) + 0.5);
-    // Beyond 2^62, where k does not fit into an integer, it is a multiple of 4.
-    const int quadrant = std::fabs(k) < 0x1p62 ? static_cast<int>(static_cast<long long>(k) & 3) : 0;
+    const int quadrant = x == x ? static_cast<int>(static_cast<long long>(k) & 3) : 0;
     return {remainder(x, k), quadrant};
 }
 

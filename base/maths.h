@@ -10,7 +10,9 @@ namespace occam::maths {
 
 inline constexpr float kPi = 3.14159265358979f;
 
-float sin(float x) noexcept;  ///< radians; for |x| up to 1e6, beyond which accuracy falls; NaN for infinities
+/// Takes radians, of any size: up to 1e6 it is precise, and beyond that accuracy falls, but the result is one of an angle.
+/// NaN for infinities.
+float sin(float x) noexcept;
 float cos(float x) noexcept;
 /// Holds the sine and the cosine of one angle, with the bits of sin() and cos().
 struct SinCos {

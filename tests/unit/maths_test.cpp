@@ -35,6 +35,20 @@ TEST(Maths, SinAndCosAreThoseOfDoubles)
     }
 }
 
+// A transform of a texture, a brush stroke or an environment may be turned by any number.
+TEST(Maths, SinAndCosOfAnyNumberAreThoseOfAnAngle)
+{
+    for (float x = 1e6f; x < std::numeric_limits<float>::infinity(); x *= 1.7f)
+        for (const float of : {x, -x}) {
+            const double s = double(sin(of)), c = double(cos(of));
+            EXPECT_NEAR(s * s + c * c, 1, 1e-6) << of;
+            EXPECT_EQ(sin_cos(of).sin, sin(of)) << of;
+            EXPECT_EQ(sin_cos(of).cos, cos(of)) << of;
+        }
+    EXPECT_TRUE(std::isnan(sin(std::numeric_limits<float>::infinity())));
+    EXPECT_TRUE(std::isnan(cos(-std::numeric_limits<float>::infinity())));
+}
+
 TEST(Maths, SeveralNumbersAtOnceHaveTheBitsOfOneAtATime)
 {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
