@@ -132,7 +132,8 @@ SlotFaces faces_of_slots(const Scene& scene, const Node& node, const CageSlot& s
     const double whole = BoxEdges(node, slot, scene.find(node.skin), world_from_object).area();
     for (std::size_t s = 0; s < slots; ++s)
         out.area[s] = slot.is_on_demand() ? whole / double(slots)
-                                          : whole * double(out.of(s).size()) / double(cage.face_count());
+                      : count == 0        ? 0
+                                          : whole * double(out.of(s).size()) / double(count);
     return out;
 }
 
@@ -199,7 +200,7 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
         if (!glows[s]) continue;
         const Material* material = material_of(scene, node, cage, s);
         const float density = mean_luminance(*material, *textures_);
-        if (density > 0) power_ += double(density) * found.area[s];
+        if (density > 0 && std::isfinite(found.area[s])) power_ += double(density) * found.area[s];
         if (!(density > 0) || !is_sampled || scene.find(node.skin) || unsampled.contains(material)) continue;
         known_.push_back({id, material, density});
         const bool is_mirrored = glm::determinant(Mat3d(world_from_object)) < 0;

@@ -310,5 +310,30 @@ TEST(MeshLights, HasTheTrianglesOfEachSlotOneAfterAnother)
     EXPECT_NEAR(lights.power(), 0.5 * (2 * 1 + 2 * 4), 1e-5);
 }
 
+// The power of the others decides whether the scene gets a light that it does not have.
+TEST(MeshLights, CagesWithoutFacesAndBoxesWithoutASizeHaveNoPower)
+{
+    for (const int kind : {0, 1, 2}) {
+        Scene scene;
+        Material glow;
+        glow.emission = Vec3f(2);
+        Cage lamp;
+        lamp.scheme = Scheme::Triangles;
+        lamp.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+        lamp.face_vertices = {0, 1, 2};
+        lamp.materials = {scene.add(glow)};
+        Cage other = lamp;
+        if (kind < 2) other.morph_targets.push_back({"", {Vec3f(1), Vec3f(1), Vec3f(1)}, {}});
+        if (kind == 0) other.face_vertices.clear();
+        scene.add_node(scene.root(), {.cages = {scene.add(std::move(lamp))}});
+        Mat4d place(1);
+        if (kind > 0) place *= 1e300, place[3] = Vec4d(0, 0, 0, 1);
+        scene.add_node(scene.root(), {.matrix = place, .cages = {scene.add(std::move(other))}});
+        scene.refit();
+        const TextureStore textures(1 << 20);
+        EXPECT_NEAR(MeshLights(scene, textures).power(), 0.5 * 2, 1e-5) << kind;
+    }
+}
+
 }  // namespace
 }  // namespace occam::shade
