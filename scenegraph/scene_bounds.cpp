@@ -182,8 +182,11 @@ std::size_t Scene::refit()
     State& s = *state_;
     const std::lock_guard guard(s.refitting);
     s.find_lost_bounds();
-    Rollback begun([&] { s.lose_bounds(); });
+    // Frames of several renderers may read a clean scene meanwhile, so nothing is written to it, not even for lack of
+    // memory.
+    if (!s.nodes.find(s.root)->dirty) return 1;
     std::vector<State::RefitStep> todo{{s.root, false}};
+    Rollback begun([&] { s.lose_bounds(); });
     std::size_t looked_at = 0;
     while (!todo.empty()) {
         const State::RefitStep step = todo.back();

@@ -228,8 +228,10 @@ void Scene::set_skin(NodeId id, SkinId skin)
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
     if (skin) State::at(state_->skins, skin, "skin");
     if (node.skin == skin) return;
-    state_->about_to_change(id, node);
-    Rollback worn([&, before = node.skin] { node.skin = before; });
+    Rollback worn([&, before = node.skin, is_stale = node.has_stale_links] {
+        node.skin = before;
+        node.has_stale_links = is_stale;
+    });
     node.skin = skin;
     if (skin) {
         const auto is_alive = [&](NodeId known) { return state_->nodes.find(known) != nullptr; };
@@ -237,6 +239,7 @@ void Scene::set_skin(NodeId id, SkinId skin)
         state_->link_user(id);
     }
     worn.keep();
+    state_->about_to_change(id, node);  // it drops the keys, which needs no memory outside of a recording
     state_->mark_dirty(id);
 }
 
@@ -245,8 +248,8 @@ void Scene::set_morph_weights(NodeId id, std::vector<float> weights)
     state_->require_editable();
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
     check_morph_weights(weights, node.name);
-    if (node.rest) node.rest->weights.reset();
     state_->about_to_change(id, node);
+    if (node.rest) node.rest->weights.reset();
     if (node.morph_weights == weights) return;
     node.morph_weights = std::move(weights);
     state_->mark_dirty(id);

@@ -242,5 +242,42 @@ TEST(FailingEdits, AreDoneAsAWholeOrNotAtAll)
     }
 }
 
+// Renderers in other threads may read a scene while one of them makes sure that it is up to date.
+TEST(FailingEdits, TheRefitOfACleanSceneNeedsNoMemoryAndWritesNothing)
+{
+    if (kIsSanitized) GTEST_SKIP() << "sanitizers have an operator new of their own";
+    Scene scene = another_scene();
+    scene.refit();
+    const auto check = [&](bool has_thrown) {
+        EXPECT_FALSE(has_thrown);
+        EXPECT_FALSE(scene.node(scene.root()).dirty);
+    };
+    fail_everywhere(
+        {}, [&] { scene.refit(); }, check);
+}
+
+TEST(FailingEdits, ASkinThatCannotBePutOnLeavesTheKeysOfItsNode)
+{
+    if (kIsSanitized) GTEST_SKIP() << "sanitizers have an operator new of their own";
+    Scene scene;
+    const NodeId joint = scene.add_node(scene.root(), {}), above = scene.add_node(scene.root(), {}),
+                 worn = scene.add_node(above, {.cages = {scene.add(skinned())}});
+    const auto skin_of = [&] { return scene.add(Skin{"", {joint}, {}}); };
+    SkinId skin = skin_of();
+    const auto record = [&] { scene.record_shutter(2, [&](double tau) { scene.set_transform(worn, moved(tau, 1, 0)); }); };
+    record();
+    const auto check = [&](bool has_thrown) {
+        EXPECT_EQ(scene.node(worn).keys.size(), has_thrown ? 3u : 0u);
+        EXPECT_EQ(bool(scene.node(worn).skin), !has_thrown);
+        if (has_thrown) scene.set_skin(worn, skin);
+        scene.set_skin(worn, {});
+        scene.remove(skin);
+        skin = skin_of();
+        record();
+    };
+    fail_everywhere(
+        {}, [&] { scene.set_skin(worn, skin); }, check);
+}
+
 }  // namespace
 }  // namespace occam::test
