@@ -350,7 +350,7 @@ void Integrator::push(const Path& path, const accel::Ray& ray)
 
 void Integrator::group_by_hits()
 {
-    const auto count = [](const Path& path) { return hits_at_once(path); };
+    const auto count = [this](const Path& path) { return hits_at_once(path); };
     if (std::ranges::is_sorted(paths_, {}, count)) return;
     std::vector<std::uint32_t> order(paths_.size());
     std::iota(order.begin(), order.end(), 0u);

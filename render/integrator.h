@@ -173,10 +173,10 @@ private:
     /// Sets the offsets and weights of samples by the filter.
     void place(std::span<const CameraSample> samples, std::span<SampleResult> results) const;
     /// Returns how many hits of the path's ray are found at once: more for one that has passed many surfaces, so that the
-    /// work grows with the number of the surfaces and not with its square.
-    static int hits_at_once(const Path& path) noexcept
+    /// work grows with the number of the surfaces and not with its square. Costs are known of single hits alone.
+    int hits_at_once(const Path& path) const noexcept
     {
-        return path.passed < 4 ? 1 : path.passed < 24 ? 16 : accel::kMostNearest;
+        return path.passed < 4 || shows_cost_ ? 1 : path.passed < 24 ? 16 : accel::kMostNearest;
     }
     /// Returns one past the last path from `first` on whose hits are found together; all of them find hits_of_each_ hits.
     std::size_t end_of_chunk(std::size_t first) const noexcept;

@@ -1,9 +1,12 @@
 // Tests of many surfaces that blend or are masked, one behind the other: what they show, and how many rays they take.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "occam/occam.h"
 #include "tests/support/plane_stage.h"
+#include "tests/support/shape_builders.h"
 #include "tests/support/statistics.h"
 
 namespace occam::render {
@@ -19,6 +22,27 @@ void put_between_white_skies(Stage& stage)
     occam::Environment uniform;
     uniform.radiance = Vec3f(1);
     stage.environment = shade::Environment(uniform, stage.textures);
+}
+
+// Behind many sheets several hits are found at a time, of which no costs are known.
+TEST(CostViews, ShowWhatLiesBehindManyTransparentSurfaces)
+{
+    for (const int layers : {1, 3, 4, 5, 12, 40}) {
+        Scene scene;
+        Material clear;
+        clear.alpha_mode = AlphaMode::Blend;
+        clear.base_color.w = 0;
+        Cage sheet = test::unit_square(), wall = sheet;
+        sheet.materials = {scene.add(clear)};
+        const CageId sheets = scene.add(std::move(sheet));
+        test::place(scene, scene.add(std::move(wall)), Vec3d(0));
+        for (int i = 1; i <= layers; ++i) test::place(scene, sheets, Vec3d(0, 0, 0.01 * i));
+        const Camera camera = Camera::look_at({0.5, 0.5, 3}, {0.5, 0.5, 0}, {0, 1, 0}, 0.2f);
+        const Image image =
+            Renderer({.threads = 1}).render(scene, camera, {.width = 4, .height = 4, .spp = 1, .view = View::Tests});
+        const std::vector<float>& pixels = image.layers().front().pixels;
+        EXPECT_GT(*std::max_element(pixels.begin(), pixels.begin() + 3), 0) << layers;
+    }
 }
 
 // Sheets that a mask cuts away hide nothing, in any number, neither from the camera nor from the light.
