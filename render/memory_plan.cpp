@@ -1,5 +1,7 @@
 #include "render/memory_plan.h"
 
+#include <algorithm>
+
 #include "accel/memory_floor.h"
 #include "base/error_without_file.h"
 #include "render/film.h"
@@ -38,14 +40,16 @@ MemoryPlan plan_memory(const Scene& scene, const Resources& resources)
     const auto threads = static_cast<std::size_t>(resources.threads);
     const std::size_t of_a_worker = resources.memory_bytes / threads;
     MemoryPlan plan;
-    plan.floor_bytes = threads * (queue_bytes(kLeastRays) + accel::memory_floor(scene));
+    const std::size_t floor_of_tracer = accel::memory_floor(scene);
+    plan.floor_bytes = threads * (queue_bytes(kLeastRays) + floor_of_tracer);
     if (resources.memory_bytes < plan.floor_bytes)
         throw error_without_file("this scene needs a memory budget of " + needed(plan.floor_bytes) + " or more with " +
                                      std::to_string(threads) + (threads == 1 ? " thread" : " threads"),
                                  given(resources.memory_bytes) + " given");
-    // Queues are short beside the arena.
+    // Queues are short beside the arena, and leave the tracer at least what it needs.
+    const std::size_t most_of_queues = std::min(of_a_worker / 8, of_a_worker - floor_of_tracer);
     plan.batch_rays = kMostRays;
-    while (plan.batch_rays > kLeastRays && queue_bytes(plan.batch_rays) > of_a_worker / 8) plan.batch_rays /= 2;
+    while (plan.batch_rays > kLeastRays && queue_bytes(plan.batch_rays) > most_of_queues) plan.batch_rays /= 2;
     plan.shadow_batch = kShadowRays * static_cast<std::size_t>(plan.batch_rays);
     plan.queue_bytes = queue_bytes(plan.batch_rays);
     plan.tracer_bytes = of_a_worker - plan.queue_bytes;

@@ -2,9 +2,11 @@
 // always the same.
 #include <gtest/gtest.h>
 
+#include "accel/memory_floor.h"
 #include "base/arena.h"
 #include "lod/vertex_shader.h"
 #include "occam/occam.h"
+#include "render/memory_plan.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/textured_floor.h"
 
@@ -65,6 +67,24 @@ TEST(Memory, ABudgetBelowTheFloorIsRefusedAndOneAtTheFloorIsKept)
             ADD_FAILURE() << "a budget below the floor was accepted";
         } catch (const Error& error) {
             EXPECT_NE(std::string(error.what()).find("memory budget of"), std::string::npos) << error.what();
+        }
+    }
+}
+
+// A scene whose tracer needs much leaves little for queues of rays, whatever the budget is.
+TEST(Memory, TheTracerGetsWhatItNeedsFromAnyBudgetThatIsNotRefused)
+{
+    for (const std::uint32_t corners : {4u, 300u, 3000u}) {
+        Scene scene;
+        place(scene, scene.add(prism(corners)), Vec3d(0));
+        scene.refit();
+        const std::size_t floor = accel::memory_floor(scene);
+        for (const int threads : {1, 3}) {
+            std::size_t bytes =
+                render::plan_memory(scene, {.threads = threads, .memory_bytes = std::size_t(1) << 40}).floor_bytes;
+            for (int step = 0; step < 200; ++step, bytes += bytes / 32)
+                EXPECT_GE(render::plan_memory(scene, {.threads = threads, .memory_bytes = bytes}).tracer_bytes, floor)
+                    << corners << ' ' << threads << ' ' << bytes;
         }
     }
 }
