@@ -279,6 +279,7 @@ private:
             if (!extras.light_group.empty()) report_.warn("light_group has no effect on a node without a light", where);
             return;
         }
+        if (extras.hidden_from != 0) report_.warn("hidden_from has no effect on the light of a node", where);
         LightGroups groups = kAllGroups;
         if (!extras.light_group.empty()) {
             groups = light_group(extras.light_group, where);

@@ -142,6 +142,25 @@ TEST(ImportGltf, LightGroupsThatHaveNoEffectAreWarnings)
               std::vector<std::string>{"light_group has no effect on a node without a light (nodes[0])"});
 }
 
+// A light without a mesh is no surface that rays could pass.
+TEST(ImportGltf, ALightThatIsHiddenFromRaysIsAWarning)
+{
+    const TempFolder folder;
+    const auto warnings_of = [&](const std::string& extras, const std::string& more) {
+        Gltf g;
+        g.nodes = R"({"extras": {"occam": {)" + extras + "}}" + more + "}";
+        g.more = R"(, "extensionsUsed": ["KHR_lights_punctual"],
+                    "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}})";
+        return load(g.write(folder)).warnings;
+    };
+    const std::vector<std::string> expected{"hidden_from has no effect on the light of a node (nodes[0])"};
+    const std::string hidden = R"("hidden_from": ["camera"])",
+                      point = R"(, "extensions": {"KHR_lights_punctual": {"light": 0}})";
+    EXPECT_EQ(warnings_of(R"("area_light": {"shape": "disc"}, )" + hidden, ""), expected);
+    EXPECT_EQ(warnings_of(hidden, point), expected);
+    EXPECT_EQ(warnings_of(hidden, ""), std::vector<std::string>());
+}
+
 // The reader of JSON leaves out such values.
 TEST(ImportGltf, EmptyExtrasAreWarnings)
 {
