@@ -45,7 +45,8 @@ public:
     lod::RayLevels<float>* find_levels(bool, float t_in, float t_out) noexcept
     {
         const RayReach reach = reach_of(ray_, frame_);
-        levels_.set({reach.target_edge.a, reach.target_edge.b, reach.start}, t_in, t_out, reach.coordinate, frame_.levels);
+        const lod::RayWidth<float> width{reach.target_edge.a, reach.target_edge.b, reach.start, reach.focus};
+        levels_.set(width, t_in, t_out, reach.coordinate, frame_.levels);
         return &levels_;
     }
 

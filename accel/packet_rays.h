@@ -55,7 +55,11 @@ public:
         // A ray that misses the scene gets the table of one that does not, so that it asks for no additional pairs.
         const auto one = static_cast<std::size_t>(std::countr_zero(bits(enters)));
         RayReach reach[kParts * kLanes]{};
-        for (std::size_t i = 0; i < rays_.size(); ++i) reach[i] = reach_of(rays_[bits(enters) >> i & 1 ? i : one], frame_);
+        alignas(32) float focus[kParts * kLanes]{};
+        for (std::size_t i = 0; i < rays_.size(); ++i) {
+            reach[i] = reach_of(rays_[bits(enters) >> i & 1 ? i : one], frame_);
+            focus[i] = reach[i].focus;
+        }
         Lanes of[4];
         gather_four(reach, rays_.size(), 0, of);
         const auto of_one = [&](const Lanes& x) {
@@ -63,7 +67,7 @@ public:
             x.store(lanes);
             return Lanes(lanes[one]);
         };
-        const bool fits = levels_.set({of[0], of[1], of[3]}, select(enters, t_in, of_one(t_in)),
+        const bool fits = levels_.set({of[0], of[1], of[3], Lanes::load(focus)}, select(enters, t_in, of_one(t_in)),
                                       select(enters, t_out, of_one(t_out)), of[2], frame_.levels);
         return fits ? &levels_ : nullptr;
     }

@@ -47,6 +47,7 @@ std::ostream& operator<<(std::ostream& out, const Ray& ray)
     out << "origin " << ray.origin << ", direction " << ray.direction << ", t from " << ray.t_near << " to " << ray.t_far
         << ", footprint " << ray.footprint;
     if (ray.start_level != kAnyLevel) out << ", start level " << int(ray.start_level);
+    if (ray.focus > 0) out << " at " << ray.focus;
     if (ray.time > 0) out << ", time " << ray.time;
     return out << ", kinds " << int(ray.kinds);
 }

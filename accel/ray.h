@@ -31,6 +31,9 @@ struct Ray {
     std::int8_t start_level = kAnyLevel;
     /// The moment at which the ray sees the scene: 0 when the shutter opens, 1 when it closes.
     float time = 0;
+    /// If this is above 0, start_level holds not around the ray's origin but around the place at this distance, at which the
+    /// ray starts or ends: the focus of a lens, where its beam is thinnest. `footprint.a` may then be below 0.
+    float focus = 0;
 };
 
 /// Returns the t_near of the rest of a ray behind a hit. The interval of a ray is open at its near end, so rounding of t

@@ -21,11 +21,12 @@ struct RayReach {
     lod::Footprint target_edge;
     float coordinate;  ///< the largest coordinate of the ray's origin in the tree's frame; it bounds rounding errors
     float start;       ///< edge length of the ray's start level; 0 if it has none
+    float focus;       ///< Ray::focus
 };
 inline RayReach reach_of(const Ray& ray, const FrameState& frame) noexcept
 {
     return {target_edge_of(ray, frame.levels), static_cast<float>(glm::distance(ray.origin, frame.anchor)),
-            ray.start_level == kAnyLevel ? 0.0f : lod::edge_length(ray.start_level)};
+            ray.start_level == kAnyLevel ? 0.0f : lod::edge_length(ray.start_level), ray.focus};
 }
 
 }  // namespace occam::accel

@@ -42,10 +42,12 @@ struct Blend {
 
 /// The width by which the transitions of a ray are chosen: it asks for edges of the length a + b t.
 /// start   the edge length of the level on whose mesh the ray starts; 0 if it may start anywhere
+/// focus   if above 0, `start` is the level not of the ray's origin but of the place at this distance, where the ray begins
+///         or ends. The ray is thinnest there, and a may be below 0
 template <class F>
 struct RayWidth {
     F a, b;
-    F start = 0.0f;
+    F start = 0.0f, focus = 0.0f;
 };
 
 template <class F>
@@ -64,20 +66,24 @@ public:
     /// A ray with a start sees only the mesh of its start around its origin. If its width grows, the start counts as a
     /// transition at t = 0, which keeps its margin. If the width shrinks, the pair of the start stays fine until the
     /// transition to the next finer pair, and all further transitions are pushed away from the start.
+    /// A ray with a focus sees only the mesh of its start around the focus, which counts as a transition and keeps its
+    /// margin: all others are pushed away from there, behind it if the width grows and before it if the width shrinks.
     bool set(RayWidth<F> width, F t_in, F t_end, F coordinate, const LevelSettings& settings) noexcept
     {
         settings_ = &settings;
-        a_ = max(width.a, F(0.0f));
+        const F zero = 0.0f;
+        a_ = select(width.focus > zero, width.a, max(width.a, zero));
         b_ = width.b;
         start_ = width.start;
+        focus_ = width.focus;
         t_end_ = t_end;
         const F of_one(settings.overlap_ulps * 0x1p-24f);
         least_ulps_ = max(coordinate, F(settings.least_coordinate)) * of_one;
         most_ulps_ = max(least_ulps_, t_end_ * of_one);
-        const F at_end = max(a_ + b_ * t_end_, F(0.0f));
+        const F at_origin = max(a_, zero), at_end = max(a_ + b_ * t_end_, zero);
         // There is no surface before the ray enters the scene, so the width there decides the finest pair.
-        const F at_start = min(max(a_ + b_ * t_in, F(0.0f)), at_end);
-        find_ends({max(a_, at_end), min(a_, at_end), at_start, abs(b_) * F(8 * settings.displaced)});
+        const F at_start = min(max(a_ + b_ * t_in, zero), at_end);
+        find_ends({max(at_origin, at_end), min(at_origin, at_end), at_start, abs(b_) * F(8 * settings.displaced)});
         is_made_ = false;
         return coarsest - finest < kMost;
     }
@@ -89,10 +95,11 @@ public:
         is_made_ = true;
         grows_ = b_ >= F(0.0f);
         // A width that hardly changes is treated as changing by 10^-24 of itself, so that nothing is divided by 0.
-        const F least = a_ * F(1e-24f) + F(1e-37f);
+        const F least = abs(a_) * F(1e-24f) + F(1e-37f);
         const F per_slope = F(1.0f) / select(grows_, max(b_, least), min(b_, F(0.0f) - least));
-        // A transition is no farther away than where the ray's width says, except for what margins push it.
-        const F of_one(settings_->overlap_ulps * 0x1p-24f), pushed_by(256 * settings_->displaced);
+        // A transition is no farther away than where the ray's width says, except for what margins push it. Behind a focus
+        // the width says no more than how much farther than the focus it is.
+        const F of_one(settings_->overlap_ulps * 0x1p-24f), pushed_by = F(256 * settings_->displaced) + focus_;
         ulps_of_edge_ = select(grows_, per_slope * of_one, F(0.0f));
         ulps_of_all_ = (select(grows_, F(0.0f), F(0.0f) - a_ * per_slope) + pushed_by) * of_one;
         const F low = -kFar, high = kFar;
@@ -154,9 +161,10 @@ public:
         const F m = margin(pair), zero = 0.0f, far_away = kFar;
         const F lower = raw_[pair - finest], upper = raw_[pair + 1 - finest];
         // Margins are kept at transitions, but not at the ray's own ends, where the finest or the coarsest segment may be
-        // too short for them. The start of a ray that begins on a mesh is a transition.
+        // too short for them. The start of a ray that begins on a mesh is a transition, and so is a focus.
         const Mask is_start = are_same(start_, F(edge_length(pair)));
-        const Mask lower_is_real = (abs(edge_[pair - finest]) < far_away) | (is_start & grows_);
+        const Mask starts_at_end = is_start & (grows_ | (focus_ > zero));
+        const Mask lower_is_real = (abs(edge_[pair - finest]) < far_away) | starts_at_end;
         const Mask upper_is_real = abs(edge_[pair + 1 - finest]) < far_away;
         const F fine = select(grows_, lower + select(lower_is_real, m, zero), lower - select(lower_is_real, m, zero));
         const F coarse = select(grows_, upper - m, upper + select(upper_is_real, m, zero));
@@ -164,8 +172,9 @@ public:
         const F steep = F(1.0f + 0x1p-20f) / max(abs(coarse - fine), F(1e-30f));
         const F grown = select(lower_is_real, fine, min(fine, coarse)),
                 shrunk = select(lower_is_real, fine, max(fine, coarse));
-        // If the width shrinks, the pair of the start stays fine all along.
-        return {select(grows_, grown, select(is_start, F(-kFar), shrunk)), select(grows_, steep, zero - steep)};
+        // If the width shrinks from the start on, the pair of the start stays fine all along.
+        const Mask stays_fine = andnot(is_start, starts_at_end);
+        return {select(grows_, grown, select(stays_fine, F(-kFar), shrunk)), select(grows_, steep, zero - steep)};
     }
 
     /// Returns the length of the margin at each end of a segment.
@@ -190,23 +199,26 @@ private:
     static Mask are_same(F x, F y) noexcept { return (x <= y) & (x >= y); }
 
     /// Resets the transitions of the lanes that have a start: each is at least a segment away from the one before it, as
-    /// seen from the start.
+    /// seen from the start or from the focus.
     void make_from_start(F per_slope) noexcept
     {
         const F low = -kFar, high = kFar, zero = 0.0f;
-        const Mask has_start = start_ > zero;
+        const Mask has_start = start_ > zero, has_focus = focus_ > zero;
         const auto put = [&](int at, Mask lanes, F pushed, F edge) {
             raw_[at - finest] = select(lanes, pushed, raw_[at - finest]);
             edge_[at - finest] = select(lanes, edge, edge_[at - finest]);
         };
         const auto ideal = [&](F d) { return min(max((d - a_) * per_slope, low), high); };
-        F previous = zero;
+        const Mask coarsens = grows_ | has_focus;  // away from the start
+        const F inner = select(grows_, low, high), outer = select(grows_, high, low);
+        F previous = focus_;
         for (int at = finest; at <= coarsest + 1; ++at) {
             const F d = edge_length(at), length = margin(at - 1) + margin(at - 1);
             const Mask is_before = d <= start_;
-            const F pushed = select(is_before, zero, max(ideal(d), previous + length));
-            const Mask is_last = (pushed >= t_end_) | (d > coarsest_edge_);
-            put(at, has_start & grows_, pushed, select(is_before, low, select(is_last, high, pushed)));
+            const F away = select(grows_, max(ideal(d), previous + length), min(ideal(d), previous - length));
+            const F pushed = select(is_before, focus_, away);
+            const Mask is_last = (grows_ & (pushed >= t_end_)) | andnot(pushed <= zero, grows_) | (d > coarsest_edge_);
+            put(at, has_start & coarsens, pushed, select(is_before, inner, select(is_last, outer, pushed)));
             previous = pushed;
         }
         previous = zero;
@@ -215,7 +227,7 @@ private:
             const Mask is_before = d > start_;
             const F pushed = select(is_before, zero, max(ideal(d), select(are_same(d, start_), zero, previous + length)));
             const Mask is_last = (pushed >= t_end_) | (d <= finest_edge_);
-            put(at, andnot(has_start, grows_), pushed, select(is_before, low, select(is_last, high, pushed)));
+            put(at, andnot(has_start, coarsens), pushed, select(is_before, low, select(is_last, high, pushed)));
             previous = pushed;
         }
     }
@@ -252,7 +264,7 @@ private:
         coarsest_edge_ = widest;
         if (const Mask has_start = start_ > zero; any(has_start)) {
             const F start = edge_at(start_);
-            const Mask widens = b_ >= zero;
+            const Mask widens = (b_ >= zero) | (focus_ > zero);  // away from the start
             const F low = select(widens, start, min(max(thinnest, start * most_finer), start));
             const F high = select(widens, min(max(widest, start), start * most_coarser), start);
             finest_edge_ = select(has_start, low, finest_edge_);
@@ -263,7 +275,7 @@ private:
     }
 
     const LevelSettings* settings_ = nullptr;
-    F a_, b_, start_, t_end_;
+    F a_, b_, start_, focus_, t_end_;
     F least_ulps_, most_ulps_;       ///< bounds of ulps()
     F ulps_of_edge_, ulps_of_all_;   ///< what a transition has of them, by its edge length and by itself
     F finest_edge_, coarsest_edge_;  ///< edge lengths of the first and the last pair of each lane

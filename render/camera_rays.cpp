@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "lod/rates.h"
 #include "render/aperture.h"
 
 namespace occam::render {
 
-CameraRays::CameraRays(const Camera& camera, int width, int height, int samples)
+CameraRays::CameraRays(const Camera& camera, int width, int height, int samples, float shading_rate)
     : width_(width), height_(height), orthographic_(camera.lens.orthographic), samples_(samples)
 {
     if (camera.lens.radius > 0 && camera.lens.focus > 0) {
@@ -22,6 +24,9 @@ CameraRays::CameraRays(const Camera& camera, int width, int height, int samples)
         for (const Mat4d& key : camera.keys) keys_.push_back(view_of(key, 1));
     const float pixel = static_cast<float>(2 * half / height_);
     pixel_ = orthographic_ ? lod::Footprint{pixel, 0} : lod::Footprint{0, pixel};
+    if (!has_lens()) return;
+    const int level = std::ilogb(levels(shading_rate).target_edge(pixel_).at(focus_));
+    level_at_focus_ = static_cast<std::int8_t>(std::clamp(level, lod::kFinestLevel, lod::kCoarsestLevel));
 }
 
 CameraRays::View CameraRays::view_of(const Mat4d& world_from_camera, double half) const noexcept
@@ -126,8 +131,9 @@ accel::Ray CameraRays::ray(double x, double y, Vec2f lens, float time) const noe
     const double length = glm::length(d);
     ray.direction = Vec3f(d / length);
     ray.footprint.b = static_cast<float>(double(pixel_.b) / length);
-    if (has_lens()) {
-        ray.t_far = static_cast<float>(double(focus_) * length);
+    if (ends_at_focus()) {
+        ray.t_far = ray.focus = static_cast<float>(double(focus_) * length);
+        ray.start_level = level_at_focus_;
         ray.footprint = lens_beams_of(ray).near_side;
     }
     if (!footprints_are_own_) ray.footprint = footprint_;
@@ -137,15 +143,15 @@ accel::Ray CameraRays::ray(double x, double y, Vec2f lens, float time) const noe
 shade::LensBeams CameraRays::lens_beams_of(const accel::Ray& ray) const noexcept
 {
     const lod::Footprint pixel = orthographic_ ? lod::Footprint{pixel_.a, 0}
-                                               : lod::Footprint{0, pixel_.b * focus_ / ray.t_far};
-    return shade::lens_beams(pixel, 2 * lens_radius_, ray.t_far, samples_);
+                                               : lod::Footprint{0, pixel_.b * focus_ / ray.focus};
+    return shade::lens_beams(pixel, 2 * lens_radius_, ray.focus, samples_);
 }
 
 accel::Ray CameraRays::behind_focus(accel::Ray ray) const noexcept
 {
-    if (footprints_are_own_) ray.footprint = lens_beams_of(ray).far_side;
-    // Both pieces reach slightly beyond the focus, so that rounding loses nothing there.
-    ray.t_near = std::max(ray.t_near, ray.t_far * (1 - 4 * std::numeric_limits<float>::epsilon()));
+    ray.footprint = lens_beams_of(ray).far_side;
+    // Both pieces have the same bits of all hits around the focus. So it is enough that no distance lies in neither of them.
+    ray.t_near = std::max(ray.t_near, ray.focus * (1 - 4 * std::numeric_limits<float>::epsilon()));
     ray.t_far = std::numeric_limits<float>::infinity();
     return ray;
 }

@@ -16,17 +16,25 @@ namespace occam::render {
 
 class CameraRays {
 public:
-    /// samples   number per pixel: a beam through a lens is as wide as one sample's part of the lens
-    CameraRays(const Camera& camera, int width, int height, int samples = 1);
+    /// samples        number per pixel: a beam through a lens is as wide as one sample's part of the lens
+    /// shading_rate   that of levels(): decides the level of detail at the focus of a lens
+    CameraRays(const Camera& camera, int width, int height, int samples = 1, float shading_rate = 1);
 
-    /// Returns the ray through a point of the image. Through a lens the ray ends at the focus, up to which its beam
-    /// narrows; behind_focus() is the rest of it.
+    /// Returns the ray through a point of the image. If its beam narrows towards the focus of a lens, the ray ends there;
+    /// behind_focus() is the rest of it. At the focus both see cages at one level.
     /// x, y     in pixels of the whole frame
     /// lens     uniform in [0, 1): where the ray leaves the lens; it is not read for a pinhole camera
     /// time     the moment at which the ray sees the scene, and at which the camera is where it starts
     accel::Ray ray(double x, double y, Vec2f lens = Vec2f(0.5f), float time = 0) const noexcept;
     accel::Ray behind_focus(accel::Ray ray) const noexcept;
     bool has_lens() const noexcept { return lens_radius_ > 0; }
+    /// Returns whether rays end at the focus. A beam does not narrow up to there if one sample's part of the lens is no
+    /// wider than a pixel is at the focus. It is then taken for the beam of a pinhole camera, whose width behind the focus
+    /// is at least half of its own.
+    bool ends_at_focus() const noexcept
+    {
+        return has_lens() && footprints_are_own_ && shade::lens_share(2 * lens_radius_, samples_) > pixel_.at(focus_);
+    }
     /// Returns whether the camera moves while the shutter is open.
     bool moves() const noexcept { return !keys_.empty(); }
 
@@ -69,6 +77,7 @@ private:
     bool orthographic_, footprints_are_own_ = true;
     float lens_radius_ = 0, focus_ = 0;
     int blades_ = 0, samples_ = 1;
+    std::int8_t level_at_focus_ = accel::kAnyLevel;
     lod::Footprint pixel_;
     lod::Footprint footprint_;  // measured from the eye of another camera, unless the footprints are the camera's own
 };

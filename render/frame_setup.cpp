@@ -62,7 +62,7 @@ void set_depth_range(FrameContext& context, const Box3d& bounds)
 
 CameraRays camera_of(const Settings& settings, const FrameScale& scale, const Camera& camera)
 {
-    CameraRays rays(scale.placed(camera), settings.width, settings.height, settings.spp);
+    CameraRays rays(scale.placed(camera), settings.width, settings.height, settings.spp, settings.shading_rate);
     if (settings.lod_camera) rays.take_footprints_of(lod_camera_of(settings, scale));
     return rays;
 }

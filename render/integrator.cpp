@@ -64,7 +64,7 @@ void Integrator::place(std::span<const CameraSample> samples, std::span<SampleRe
 void Integrator::begin(std::span<const CameraSample> samples, std::span<SampleResult> results)
 {
     Path path;
-    path.is_before_focus = context_.camera.has_lens();
+    path.is_before_focus = context_.camera.ends_at_focus();
     paths_.assign(samples.size(), path);
     rays_.resize(samples.size());
     mattes_.clear();

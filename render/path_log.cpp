@@ -44,6 +44,7 @@ void PathLog::ray(const accel::Ray& ray)
          << double(ray.t_near) * to_world << " to " << double(ray.t_far) * to_world << ", footprint "
          << lod::Footprint{scale_.to_world(ray.footprint.a), ray.footprint.b};
     if (ray.start_level != accel::kAnyLevel) out_ << ", start level " << ray.start_level + scale_.exponent();
+    if (ray.focus > 0) out_ << " at " << double(ray.focus) * to_world;
     if (ray.time > 0) out_ << ", time " << ray.time;
     out_ << '\n';
 }

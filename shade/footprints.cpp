@@ -35,7 +35,7 @@ lod::Footprint followable(lod::Footprint beam, float shading_rate) noexcept
 
 LensBeams lens_beams(lod::Footprint pixel, float diameter, float focus, int samples) noexcept
 {
-    const float share = diameter / std::sqrt(static_cast<float>(samples));
+    const float share = lens_share(diameter, samples);
     const float slope = share / focus;
     return {{pixel.a + share, pixel.b - slope}, {pixel.a - share, pixel.b + slope}};
 }

@@ -63,6 +63,8 @@ F light_spread(F width, F distance, F density, F samples) noexcept;
 struct LensBeams {
     lod::Footprint near_side, far_side;
 };
+/// Returns the width of one sample's part of a lens.
+inline float lens_share(float diameter, int samples) noexcept { return diameter / std::sqrt(static_cast<float>(samples)); }
 /// Returns the footprints of a ray through a lens.
 /// focus       distance along the ray
 /// pixel       the beam of a pinhole camera, or of parallel rays

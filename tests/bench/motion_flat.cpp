@@ -71,7 +71,7 @@ std::size_t trace(accel::Tracer& tracer, const render::CameraRays& camera, std::
         behind.clear();
         for (std::size_t k = 0; k < batch.size(); ++k) {
             met += hits[k].is_hit();
-            if (camera.has_lens() && !hits[k].is_hit()) behind.push_back(camera.behind_focus(batch[k]));
+            if (camera.ends_at_focus() && !hits[k].is_hit()) behind.push_back(camera.behind_focus(batch[k]));
         }
         tracer.closest(behind, std::span(hits).first(behind.size()));
         for (std::size_t k = 0; k < behind.size(); ++k) met += hits[k].is_hit();

@@ -255,13 +255,18 @@ int lit_pixels(const Room& room, const Look& look)
                                     transform_point(world_from_room, room.target), {0, 1, 0}, 1.5f);
     if (look.outside != Outside::Sky)
         shine_from_outside(scene, camera, transform_point(world_from_room, room.eye), look.outside);
+    const double length = std::cbrt(std::abs(glm::determinant(Mat3d(world_from_room))));
+    camera.lens.radius = static_cast<float>(look.lens * length);
+    camera.lens.focus = static_cast<float>(look.focus * length);
+    camera.lens.orthographic = look.parallel;
+    camera.lens.height = static_cast<float>(4 * look.lens * length);
     Settings settings{.width = look.width, .height = look.height, .spp = look.spp};
     if (look.moves != Moves::Not) record(scene, node, camera, look.moves);
     settings.integrator = look.integrator;
     settings.bounces = 4;
     settings.shading_rate = look.rate;
     settings.lod = look.lod;
-    const Image image = Renderer({.threads = 2}).render(scene, camera, settings);
+    const Image image = Renderer({.threads = 2, .tree = look.tree}).render(scene, camera, settings);
     const Layer& beauty = *image.find("beauty");
     int lit = 0;
     for (std::size_t i = 0; i < beauty.pixels.size(); i += 4)

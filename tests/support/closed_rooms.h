@@ -41,6 +41,9 @@ struct Look {
     bool crossed = false;        ///< the room is crossed by another instance of it
     Moves moves = Moves::Not;
     Outside outside = Outside::Sky;
+    float lens = 0, focus = 0;  ///< radius and distance, in units of the room; 0: a pinhole camera
+    bool parallel = false;      ///< the camera is orthographic
+    TreeKind tree = TreeKind::Auto;
     int width = 24, height = 18, spp = 4;
 };
 

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "lod/ray_levels.h"
+#include "tests/support/beams.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/shape_builders.h"
@@ -13,33 +14,6 @@
 
 namespace occam::test {
 namespace {
-
-constexpr float kFar = lod::RayLevels<float>::kFar;
-
-struct Beam {
-    float a, b, t_end, t_in = 0, start = 0;
-};
-lod::RayLevels<float> table_of(const Beam& beam, const lod::LevelSettings& settings)
-{
-    lod::RayLevels<float> table;
-    EXPECT_TRUE(table.set({beam.a, beam.b, beam.start}, beam.t_in, beam.t_end, beam.t_end, settings));
-    table.make();
-    return table;
-}
-
-std::vector<Beam> beams(int count)
-{
-    std::mt19937_64 random(3);
-    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
-    std::vector<Beam> all{{1, 0, 10},      {0, 0.01f, 100}, {0, 0.5f, 1e6f}, {1, -0.01f, 100},
-                          {1, -0.5f, 100}, {0, 0, 10},      {1e-20f, 0, 10}, {1e20f, 0, 10}};
-    for (int i = 0; i < count; ++i) {
-        const double b = std::exp2(uniform(-12, -1)), end = std::exp2(uniform(-3, 12)),
-                     a = random() & 1 ? 0 : std::exp2(uniform(-8, 8));
-        all.push_back({float(a), float(random() & 1 ? b : -b), float(end)});
-    }
-    return all;
-}
 
 TEST(RayLevels, CoverARayWithoutAGapAndOverlapAsAsked)
 {
@@ -150,18 +124,6 @@ TEST(RayLevels, OfAConstantWidthHaveOneWeightThatGrowsWithIt)
     }
 }
 
-/// Returns the same beams, each from a point of a mesh whose edges are about as long as the beam asks for, or much finer.
-std::vector<Beam> beams_with_starts(int count)
-{
-    std::vector<Beam> all = beams(count);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        const float width = std::max(all[i].a, 1e-3f);
-        const int level = std::ilogb(width) + static_cast<int>(i % 5) - 3;
-        all[i].start = lod::edge_length(std::clamp(level, lod::kFinestLevel, lod::kCoarsestLevel));
-    }
-    return all;
-}
-
 // A secondary ray sees only the mesh on which its origin lies within a margin of the origin, and anywhere behind it.
 TEST(RayLevels, StartOnTheMeshOfTheirStart)
 {
@@ -188,15 +150,50 @@ TEST(RayLevels, StartOnTheMeshOfTheirStart)
     }
 }
 
+// Both pieces of a ray through a lens see one mesh within a margin of the focus, in the same pair, and no finer mesh
+// anywhere. Away from the focus neither is coarser than its width asks for.
+TEST(RayLevels, SeeOneMeshAtTheFocus)
+{
+    const lod::LevelSettings settings;
+    for (const Beam& beam : beams_with_a_focus(2000)) {
+        const lod::RayLevels<float> table = table_of(beam, settings);
+        ASSERT_LE(table.coarsest - table.finest, lod::RayLevels<float>::kMostOfRay - 1);
+        const int start = std::ilogb(beam.start);
+        ASSERT_EQ(table.finest, start);
+        const float margin = 2 * beam.start, first = beam.b < 0 ? 0 : beam.focus,
+                    last = beam.b < 0 ? beam.focus : beam.t_end;
+        for (const float t : {beam.focus - margin, beam.focus, beam.focus + margin}) {
+            EXPECT_TRUE(t < 0 || (table.begin(start) <= t && t <= table.end(start)));
+            EXPECT_EQ(table.blend(start).weight(t), 0) << "at " << t - beam.focus;
+        }
+        float reached = beam.focus;
+        for (int pair = start; pair <= table.coarsest; ++pair) {
+            const float begin = table.begin(pair), end = table.end(pair), d = lod::edge_length(pair);
+            if (begin > end) continue;
+            // From the focus on outwards there is no gap.
+            if (begin <= last && end >= first) {
+                EXPECT_LE(beam.b < 0 ? reached : begin, beam.b < 0 ? end : reached) << "pair " << pair;
+            }
+            reached = beam.b < 0 ? begin : end;
+            if (pair == start) continue;
+            const float nearest = std::clamp(beam.b < 0 ? end - table.overlap(pair) : begin + table.overlap(pair), first,
+                                             last);
+            EXPECT_LE(d, (beam.a + beam.b * nearest) * 1.001f + std::fabs(beam.a) * 3e-7f) << "pair " << pair;
+        }
+        EXPECT_TRUE(beam.b < 0 ? reached <= 0 : reached >= beam.t_end);
+    }
+}
+
 TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
 {
     const lod::LevelSettings settings;
     std::vector<Beam> all = beams(400);
-    const std::vector<Beam> started = beams_with_starts(400);
-    all.insert(all.end(), started.begin(), started.end());
+    for (const auto& more : {beams_with_starts(400), beams_with_a_focus(200)})
+        all.insert(all.end(), more.begin(), more.end());
     for (std::size_t i = 0; i < all.size(); ++i) {
         lod::RayLevels<vfloat> lanes;
-        ASSERT_TRUE(lanes.set({all[i].a, all[i].b, all[i].start}, 0, all[i].t_end, all[i].t_end, settings));
+        ASSERT_TRUE(
+            lanes.set({all[i].a, all[i].b, all[i].start, all[i].focus}, all[i].t_in, all[i].t_end, all[i].t_end, settings));
         lanes.make();
         const lod::RayLevels<float> alone = table_of(all[i], settings);
         ASSERT_EQ(lanes.finest, alone.finest);
@@ -215,46 +212,30 @@ TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
     }
 }
 
-/// Returns beams whose width at an end is a power of two, or an ulp or two beside it: rounding then places a transition
-/// there or not.
-std::vector<Beam> beams_with_ends_at_levels(int count)
-{
-    std::mt19937_64 random(11);
-    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
-    std::vector<Beam> all;
-    while (all.size() < std::size_t(count)) {
-        const auto b = static_cast<float>(std::exp2(uniform(-12, -1)) * (random() & 1 ? 1 : -1));
-        float at_end = std::exp2(static_cast<float>(int(random() % 8) - 4));
-        for (int ulps = int(random() % 5) - 2; ulps != 0; ulps += ulps < 0 ? 1 : -1)
-            at_end = std::nextafterf(at_end, ulps < 0 ? 0.0f : kFar);
-        const auto end = static_cast<float>(std::exp2(uniform(-3, 6)));
-        const float a = at_end - b * end;
-        if (a > 0) all.push_back({a, b, end});
-    }
-    return all;
-}
-
 /// The other lanes see finer and coarser pairs, which must not change where a ray's own begin and end.
 TEST(RayLevels, HaveTheSameBitsWhateverTheOtherLanesSee)
 {
     const lod::LevelSettings settings;
     std::vector<Beam> all = beams_with_ends_at_levels(2000);
-    for (const auto& more : {beams(400), beams_with_starts(400)}) all.insert(all.end(), more.begin(), more.end());
+    for (const auto& more : {beams(400), beams_with_starts(400), beams_with_a_focus(200)})
+        all.insert(all.end(), more.begin(), more.end());
     std::size_t compared = 0;
     for (const Beam& beam : all) {
         const lod::RayLevels<float> alone = table_of(beam, settings);
-        float a[kLanes], b[kLanes], end[kLanes], start[kLanes];
+        float a[kLanes], b[kLanes], end[kLanes], start[kLanes], focus[kLanes], in[kLanes];
         for (int lane = 0; lane < kLanes; ++lane) {
             const float width = lod::edge_length(lane % 2 ? alone.finest - 2 : alone.coarsest + 3);
             a[lane] = lane == 0 ? beam.a : width;
             b[lane] = lane == 0 ? beam.b : 0.25f * width / beam.t_end;
             start[lane] = lane == 0 ? beam.start : 0;
+            focus[lane] = lane == 0 ? beam.focus : 0;
+            in[lane] = lane == 0 ? beam.t_in : 0;
             end[lane] = beam.t_end;
         }
         lod::RayLevels<vfloat> lanes;
         if (alone.finest < lod::kFinestLevel + 3 || alone.coarsest > lod::kCoarsestLevel - 4 ||
-            !lanes.set({vfloat::load(a), vfloat::load(b), vfloat::load(start)}, 0, vfloat::load(end), vfloat::load(end),
-                       settings))
+            !lanes.set({vfloat::load(a), vfloat::load(b), vfloat::load(start), vfloat::load(focus)}, vfloat::load(in),
+                       vfloat::load(end), vfloat::load(end), settings))
             continue;
         lanes.make();
         ++compared;

@@ -90,5 +90,49 @@ TEST(CameraRays, OrthographicRaysAreParallelAndOfConstantWidth)
     EXPECT_FLOAT_EQ(a.footprint.at(100), 0.04f);
 }
 
+// Both pieces of a ray through a lens have one level at the focus, whatever their footprints are rounded to there.
+TEST(CameraRays, HaveOneLevelAtTheFocusOfALens)
+{
+    for (const bool parallel : {false, true})
+        for (const float rate : {0.25f, 1.0f, 3.0f, 16.0f}) {
+            Camera camera = Camera::look_at({1, 2, 5}, {0, 0, 0}, {0, 1, 0}, 0.8f);
+            camera.lens.orthographic = parallel;
+            camera.lens.radius = 0.2f;
+            camera.lens.focus = 3;
+            const CameraRays rays(camera, 64, 48, 4, rate);
+            ASSERT_TRUE(rays.ends_at_focus());
+            const float edge = lod::LevelSettings::kLongestEdge * rate * rays.pixel().at(3);
+            for (const Vec2f lens : {Vec2f(0.1f, 0.2f), Vec2f(0.9f, 0.6f)}) {
+                const accel::Ray ray = rays.ray(3, 40, lens), rest = rays.behind_focus(ray);
+                EXPECT_EQ(ray.start_level, std::ilogb(edge));
+                EXPECT_EQ(ray.focus, ray.t_far);
+                EXPECT_EQ(rest.start_level, ray.start_level);
+                EXPECT_EQ(rest.focus, ray.focus);
+                EXPECT_LE(rest.t_near, ray.t_far);
+                EXPECT_LT(ray.footprint.b, 0);
+                EXPECT_GT(rest.footprint.b, 0);
+                for (const accel::Ray& piece : {ray, rest})
+                    EXPECT_NEAR(piece.footprint.at(ray.focus), rays.pixel().at(3), 1e-4f * rays.pixel().at(3));
+            }
+        }
+}
+
+// With so many samples, or so small a lens, that a beam does not narrow up to the focus, it is that of a pinhole camera.
+TEST(CameraRays, OfASmallPartOfALensEndNowhere)
+{
+    Camera camera = Camera::look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 1);
+    camera.lens.radius = 0.05f;
+    camera.lens.focus = 3;
+    const float pixel = CameraRays(camera, 64, 32).pixel().at(3);
+    const int most = static_cast<int>(std::floor((0.1f / pixel) * (0.1f / pixel)));
+    EXPECT_TRUE(CameraRays(camera, 64, 32, most).ends_at_focus()) << most;
+    const CameraRays rays(camera, 64, 32, most + 1);
+    EXPECT_FALSE(rays.ends_at_focus());
+    const accel::Ray ray = rays.ray(10, 20, Vec2f(0.9f, 0.1f));
+    EXPECT_EQ(ray.t_far, std::numeric_limits<float>::infinity());
+    EXPECT_EQ(ray.start_level, accel::kAnyLevel);
+    EXPECT_EQ(ray.footprint.a, 0);
+}
+
 }  // namespace
 }  // namespace occam::render
