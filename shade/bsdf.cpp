@@ -70,7 +70,7 @@ LayerOf<float> layer_of(const Surface& s, AlbedoTable::Row row) noexcept
     of.f90 = s.dielectric_f90;
     const LayerAlbedo all = has_strokes(s) ? StrokeAlbedo::instance().mean({s.alpha_along, s.alpha_across}, s.alpha)
                                            : AlbedoTable::instance().mean(row);
-    complete(of, s.f0, s.f90, all);
+    complete(of, mix_of(s), all);
     return of;
 }
 

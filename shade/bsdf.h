@@ -18,6 +18,13 @@
 
 namespace occam::shade {
 
+/// Returns of what the layer of a surface is mixed.
+inline LayerMixOf<float> mix_of(const Surface& s) noexcept
+{
+    if (!s.is_mixed) return {s.f0, s.f90, 1, Vec3f(0), 0};
+    return {s.dielectric_color, s.dielectric_f90, s.dielectric_share, s.base_color, s.metal_share};
+}
+
 /// Returns the factor of Chiang et al. 2019, eq. 1 to 3: it is 1 where the normals agree and falls smoothly to 0 at the
 /// geometric horizon. `n_l` has to be above 0.
 inline float terminator(const Surface& s, float n_l, Vec3f to_light) noexcept

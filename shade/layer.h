@@ -29,15 +29,28 @@ F multiple_share(F f0, F f90, F mean_albedo) noexcept
     return f * f * mean_albedo / (1.0f - f * (1 - mean_albedo));
 }
 
-/// Sets what follows from the reflectances.
-/// f0, f90   reflectance of the whole layer, dielectric and metal mixed
-/// all       mean of the albedo over all directions
+/// Says of what a layer is mixed: a share of it has one reflectance, and another share that of a metal. Light stays within a
+/// share until it has left the layer, so that each loses what a layer of its kind alone would lose.
 template <class F>
-void complete(LayerOf<F>& of, const Triple<F>& f0, F f90, LayerAlbedoOf<F> all) noexcept
+struct LayerMixOf {
+    Triple<F> f0;  ///< reflectance of the first share, which is the dielectric, or all that there is
+    F f90, share;
+    Triple<F> metal_f0;
+    F metal_share;
+};
+
+/// Sets what follows from the reflectances.
+/// all   mean of the albedo over all directions
+template <class F>
+void complete(LayerOf<F>& of, const LayerMixOf<F>& mix, LayerAlbedoOf<F> all) noexcept
 {
     of.mean = all.sum();
-    of.multiple = {multiple_share(f0.x, f90, of.mean), multiple_share(f0.y, f90, of.mean),
-                   multiple_share(f0.z, f90, of.mean)};
+    const auto multiple = [&](F f0, F metal_f0) {
+        return mix.share * multiple_share(f0, mix.f90, of.mean) +
+               mix.metal_share * multiple_share(metal_f0, F(1.0f), of.mean);
+    };
+    of.multiple = {multiple(mix.f0.x, mix.metal_f0.x), multiple(mix.f0.y, mix.metal_f0.y),
+                   multiple(mix.f0.z, mix.metal_f0.z)};
     of.base_multiple = multiple_share(of.f0, of.f90, of.mean);
     of.base_mean = of.f0 * all.f0 + of.f90 * all.f90 + of.base_multiple * (1 - of.mean);
 }

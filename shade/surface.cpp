@@ -102,6 +102,17 @@ Dielectric dielectric_of(const Material& m, const MaterialValues& values) noexce
     return {glm::clamp(root * root * values.specular_color, 0.0f, 1.0f) * specular, specular};
 }
 
+// Notes the shares of which the layer is mixed, unless all of it is of one kind.
+void note_mix(const Dielectric& dielectric, float dielectric_share, float metal_share, Surface& s) noexcept
+{
+    const bool is_dielectric = dielectric_share == 1 && metal_share == 0,
+               is_metal = dielectric_share == 0 && metal_share == 1;
+    s.is_mixed = !is_dielectric && !is_metal;
+    s.dielectric_color = dielectric.f0;
+    s.dielectric_share = dielectric_share;
+    s.metal_share = metal_share;
+}
+
 // Handles a surface that is glass in part: the rest is metal and opaque dielectric, in their given proportion.
 void mix_opaque_rest(const MaterialValues& values, float metallic, const Dielectric& dielectric, Surface& s) noexcept
 {
@@ -110,6 +121,7 @@ void mix_opaque_rest(const MaterialValues& values, float metallic, const Dielect
     s.diffuse = s.base_color * (opaque / rest);
     s.f0 = (dielectric.f0 * opaque + s.base_color * metallic) / rest;
     s.f90 = (dielectric.f90 * opaque + metallic) / rest;
+    note_mix(dielectric, opaque / rest, metallic / rest, s);
 }
 
 // Returns the tint at the surface of a body. Light crosses it twice, so one straight path through a body is tinted once.
@@ -141,6 +153,7 @@ void add_straight_body(const Material& m, const MaterialValues& values, const Di
     s.diffuse = s.base_color * opaque;
     s.f0 = dielectric.f0 * opaque + s.base_color * metallic;
     s.f90 = dielectric.f90 * opaque + metallic;
+    note_mix(dielectric, opaque, metallic, s);
     if (!(opaque > 0)) s.dielectric_f0 = s.dielectric_f90 = 0;  // there is no base under it
 }
 
@@ -282,7 +295,9 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     s.dielectric_f90 = dielectric.f90;
     s.f0 = dielectric.f0 * (1 - metallic) + s.base_color * metallic;
     s.f90 = dielectric.f90 * (1 - metallic) + metallic;
-    if (has_layer(s)) s.normal = reflecting_normal(s.normal, point);
+    note_mix(dielectric, 1 - metallic, metallic, s);
+    const bool has_facets = has_layer(s) || (m.transmission > 0 && !is_straight_body(m));
+    if (has_facets) s.normal = reflecting_normal(s.normal, point);
     if (m.transmission > 0) add_transmission(m, values, dielectric, point.back_side, s);
 
     if (m.anisotropy > 0) add_anisotropy(m, values, point, s);

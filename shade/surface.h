@@ -39,6 +39,11 @@ struct Surface {
     float f90 = 1;     ///< reflectance at grazing incidence
     /// Reflectance of the dielectric alone; light that it reflects does not reach the base below it.
     float dielectric_f0 = 0.04f, dielectric_f90 = 1;
+    /// The layer is a dielectric in one share and metal in another, or there is a layer on a share only. If so, these are
+    /// the shares in f0 and f90, and the dielectric's colour at normal incidence. The metal's is base_color.
+    bool is_mixed = false;
+    float dielectric_share = 1, metal_share = 0;
+    Vec3f dielectric_color{0.04f};
     float alpha = 0.36f;  ///< GGX width, roughness squared
     Vec3f tangent{0};     ///< across the normal: the direction of brush strokes; zero: the lobe of the layer is isotropic
     /// GGX widths of an anisotropic layer, along the strokes and across them; alpha is their geometric mean.

@@ -50,6 +50,12 @@ void SurfaceLanes::set(int lane, const Surface& s) noexcept
     diffuse_.set(lane, s.diffuse);
     f0_.set(lane, s.f0);
     f90_.of[lane] = s.f90;
+    const LayerMixOf<float> mix = mix_of(s);
+    mix_f0_.set(lane, mix.f0);
+    mix_f90_.of[lane] = mix.f90;
+    mix_share_.of[lane] = mix.share;
+    mix_metal_f0_.set(lane, mix.metal_f0);
+    mix_metal_share_.of[lane] = mix.metal_share;
     alpha_.of[lane] = s.alpha;
     dielectric_f0_.of[lane] = s.dielectric_f0;
     dielectric_f90_.of[lane] = s.dielectric_f90;
@@ -69,7 +75,10 @@ void SurfaceLanes::complete() noexcept
     row_ = AlbedoTable::row_of(alpha);
     layer_.f0 = dielectric_f0_.lanes();
     layer_.f90 = dielectric_f90_.lanes();
-    shade::complete(layer_, f0, f90, table.mean(row_));
+    shade::complete(layer_,
+                    LayerMixOf<vfloat>{mix_f0_.lanes(), mix_f90_.lanes(), mix_share_.lanes(), mix_metal_f0_.lanes(),
+                                       mix_metal_share_.lanes()},
+                    table.mean(row_));
     eye_ = table.at(n_v_, row_);
     masking_ = ggx_masking_over_cosine(n_v_, alpha);
     root_ = ggx_root(n_v_, alpha);

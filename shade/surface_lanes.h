@@ -59,6 +59,8 @@ private:
     void add_coat(const VecLanes& to_light, vfloat side, Scattering& to) const noexcept;
 
     LaneVectors normal_, geometric_, to_eye_, coat_normal_, diffuse_, f0_;
+    LaneVectors mix_f0_, mix_metal_f0_;
+    LaneFloats mix_f90_, mix_share_, mix_metal_share_;
     LaneFloats f90_, alpha_, dielectric_f0_, dielectric_f90_, coat_, coat_alpha_;
     bool has_coat_ = false;  ///< of any surface
     // These follow from them.

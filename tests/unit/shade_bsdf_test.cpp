@@ -7,22 +7,20 @@
 #include <functional>
 
 #include "shade/albedo_table.h"
+#include "tests/support/furnace.h"
 #include "tests/support/statistics.h"
 
 namespace occam::shade {
 namespace {
 
+using test::direction;
+using test::furnace;
+using test::kWhite;
 using test::Mean;
 using test::Numbers;
 
 constexpr float kAlphas[] = {kMinAlpha, 0.01f, 0.1f, 0.3f, 0.6f, 1.0f};
 constexpr float kCosines[] = {0.01f, 0.05f, 0.3f, 0.7f, 1.0f};
-
-Vec3f direction(float cosine, float angle = 0)
-{
-    const float sine = std::sqrt(1 - cosine * cosine);
-    return {sine * std::cos(angle), sine * std::sin(angle), cosine};
-}
 
 Surface surface_of(float alpha, Vec3f diffuse, Vec3f f0, float cos_eye)
 {
@@ -49,41 +47,6 @@ Surface pane_of(float alpha, float cos_eye)
     Surface s = surface_of(alpha, Vec3f(0), Vec3f(0.04f), cos_eye);
     s.transmission = Vec3f(0.8f);
     return s;
-}
-
-// Returns the radiance towards the eye under a uniform sky of radiance 1: the mean over evenly distributed samples (a
-// lattice with the generators of Roberts' R3 sequence). A share of `grazing` / 8 of the directions lies near the two
-// horizons, where light of several bounces between microfacets goes, but few of the surface's own samples.
-double furnace(const Surface& s, int samples, int grazing)
-{
-    double sum = 0;
-    for (int i = 0; i < samples; ++i) {
-        const auto number = [&](double generator) {
-            const double x = 0.5 + generator * (i / 8);
-            return static_cast<float>(x + 0.125 * (i % 8) - std::floor(x + 0.125 * (i % 8))) * 0.9999999f;
-        };
-        const Vec2f square(number(0.6710436067037893), number(0.5497004779019703));
-        const float choice = number(0.8191725133961645);
-        Vec3f d = direction(square.x * square.x, 2 * kPi * square.y) * Vec3f(1, 1, choice < 0.5f ? -1 : 1);
-        if (i % 8 >= grazing) d = sample_scatter(s, choice, square).direction;
-        if (d == Vec3f(0)) continue;
-        const double about_horizons = 0.125 / double(kPi) / std::sqrt(std::max(1e-12, double(std::fabs(d.z))));
-        sum += double(scatter(s, d).x) * 8 / ((8 - grazing) * double(scatter_density(s, d)) + grazing * about_horizons);
-    }
-    return sum / samples;
-}
-
-// Every white surface reflects or transmits all light to within this error, for every lobe, angle, width and index.
-constexpr double kWhite = 3e-3;
-
-// Returns the result of a furnace test with as many samples as it needs.
-double furnace(const Surface& s)
-{
-    for (const int samples : {2'000, 16'000, 64'000}) {
-        const double white = furnace(s, samples, 0);
-        if (std::fabs(white - 1) < kWhite) return white;
-    }
-    return furnace(s, 1'000'000, 1);
 }
 
 TEST(Bsdf, AWhiteMetalReflectsAllOfAUniformSky)

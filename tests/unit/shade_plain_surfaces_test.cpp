@@ -5,16 +5,13 @@
 #include <vector>
 
 #include "shade/surface.h"
+#include "tests/support/furnace.h"
 #include "tests/support/statistics.h"
 
 namespace occam::shade {
 namespace {
 
-Vec3f direction(float cosine, float angle)
-{
-    const float sine = std::sqrt(1 - cosine * cosine);
-    return {sine * std::cos(angle), sine * std::sin(angle), cosine};
-}
+using test::direction;
 
 // Returns materials that are the same everywhere.
 std::vector<Material> plain_materials()

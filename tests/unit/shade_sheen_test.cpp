@@ -7,22 +7,18 @@
 
 #include "shade/bsdf.h"
 #include "shade/stroke_albedo.h"
+#include "tests/support/furnace.h"
 #include "tests/support/statistics.h"
 
 namespace occam::shade {
 namespace {
 
+using test::direction;
 using test::Mean;
 using test::Numbers;
 
 constexpr float kCosines[] = {0.05f, 0.3f, 0.7f, 1.0f};
 constexpr float kRoughnesses[] = {0.0f, 0.2f, 0.5f, 1.0f};
-
-Vec3f direction(float cosine, float angle = 0)
-{
-    const float sine = std::sqrt(1 - cosine * cosine);
-    return {sine * std::cos(angle), sine * std::sin(angle), cosine};
-}
 
 Surface cloth(float roughness, Vec3f diffuse, float cos_eye)
 {

@@ -44,10 +44,14 @@ Surface surface(test::Numbers& numbers, int number)
     s.base_color = colour(numbers);
     s.diffuse = s.base_color * (1 - metallic);
     s.f0 = Vec3f(0.04f * (1 - metallic)) + s.base_color * metallic;
+    s.is_mixed = metallic < 1;
+    s.dielectric_share = 1 - metallic;
+    s.metal_share = metallic;
     s.alpha = number % 7 == 0 ? kMinAlpha : std::max(kMinAlpha, numbers.one() * numbers.one());
     if (number % 4 == 0) {  // matte
         s.f0 = Vec3f(0);
         s.f90 = s.dielectric_f0 = s.dielectric_f90 = 0;
+        s.is_mixed = false;
         s.diffuse = number % 8 == 0 ? Vec3f(0) : s.base_color;
         s.is_matte = true;
     }
