@@ -171,10 +171,14 @@ Vec3f reflected(const SurfaceForEye& of, Vec3f to_light) noexcept
 Vec3f through_rough_pane(const SurfaceForEye& of, Vec3f to_light) noexcept
 {
     const Surface& s = of.surface;
-    const float n_l = -glm::dot(s.normal, to_light);
-    if (!(n_l > 0)) return Vec3f(0);
-    const LayerAlbedo light = albedo(of, to_light, n_l);
-    return pane_transmission(s, to_light) + s.transmission * (multiple_through(of.layer, of.eye, light) * n_l);
+    Vec3f f(0);
+    for_directions_of_pane(s, to_light, [&](Vec3f direction) {
+        const float n_l = -glm::dot(s.normal, direction);
+        if (!(n_l > 0)) return;
+        const LayerAlbedo light = albedo(of, direction, n_l);
+        f += pane_transmission(s, direction) + s.transmission * (multiple_through(of.layer, of.eye, light) * n_l);
+    });
+    return f;
 }
 
 Vec3f reflected(Vec3f to_eye, Vec3f h) noexcept { return glm::normalize(h * (2 * glm::dot(to_eye, h)) - to_eye); }
@@ -226,8 +230,11 @@ float scatter_density(const SurfaceForEye& of, Vec3f to_light) noexcept
         density += share.layer *
                    (has_strokes(s) ? Strokes(s).density(s, to_light) : lobe_density(s.normal, s.to_eye, to_light, s.alpha));
     if (share.coat > 0) density += share.coat * lobe_density(s.coat_normal, s.to_eye, to_light, s.coat_alpha);
-    if (share.pane > 0) density += share.pane * pane_density(s, to_light);
-    density += share.pane_diffuse * std::max(-n_l, 0.0f) / kPi;
+    if (share.pane > 0 || share.pane_diffuse > 0)
+        for_directions_of_pane(s, to_light, [&](Vec3f direction) {
+            if (share.pane > 0) density += share.pane * pane_density(s, direction);
+            density += share.pane_diffuse * std::max(-glm::dot(s.normal, direction), 0.0f) / kPi;
+        });
     if (share.body > 0) density += share.body * body_density(s, to_light);
     return density;
 }
@@ -235,12 +242,9 @@ float scatter_density(const SurfaceForEye& of, Vec3f to_light) noexcept
 Vec3f scatter_of_lobes(const SurfaceForEye& of, Vec3f to_light) noexcept
 {
     const Surface& s = of.surface;
-    const float side = glm::dot(s.normal_geometric, to_light), n_l = glm::dot(s.normal, to_light);
+    const float side = glm::dot(s.normal_geometric, to_light);
     Vec3f f(0);
-    if (s.is_solid && side * n_l > 0) {
-        f = body_scattering(s, to_light) * s.solid_share;
-        if (side > 0) f *= lobe_terminator(s.normal_geometric, s.normal, n_l, to_light);
-    }
+    if (s.is_solid) f = body_scattering(s, to_light) * s.solid_share;
     if (side > 0 && (!s.is_solid || s.solid_share < 1)) f += reflected(of, to_light) * (s.is_solid ? 1 - s.solid_share : 1);
     else if (side < 0 && !s.is_solid && s.transmission != Vec3f(0)) f = through_rough_pane(of, to_light);
     if (s.sheen != Vec3f(0)) f = sheened(s, f, to_light);
@@ -302,14 +306,14 @@ ScatterSample sample_scatter(const SurfaceForEye& of, float choice, Vec2f square
     } else if (is_chosen(share.body)) {
         out.alpha = s.alpha;
         out.direction = through_body(s, seen_normal(axes, s.to_eye, s.alpha, square), choice);
-        out.lobe = glm::dot(s.normal, out.direction) < 0 ? Lobe::Transmission : Lobe::Layer;
+        out.lobe = glm::dot(s.normal_geometric, out.direction) < 0 ? Lobe::Transmission : Lobe::Layer;
     } else if (is_chosen(share.pane)) {
         out.lobe = Lobe::Transmission;
         out.alpha = s.alpha;
         out.direction = through_pane(s, seen_normal(axes, s.to_eye, s.alpha, square));
     } else if (is_chosen(share.pane_diffuse)) {
         out.lobe = Lobe::Transmission;
-        out.direction = -axes.to_world(cosine_direction(square));
+        out.direction = behind_facet(s, -axes.to_world(cosine_direction(square)));
     } else if (share.coat > 0) {
         out.lobe = Lobe::Coat;
         out.alpha = s.coat_alpha;

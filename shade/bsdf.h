@@ -10,7 +10,8 @@
 //          surface of any kind reflects or transmits all of it. The price is that coats and bodies are not reciprocal.
 // Normals  Where the shading normal and the geometric normal differ, light is faded towards the geometric horizon (Chiang
 //          et al. 2019), so that the light on coarse triangles with smooth normals does not end in a hard line. That
-//          factor depends on the side of the light alone, so there, too, the function is not reciprocal.
+//          factor depends on the side of the light alone, so there, too, the function is not reciprocal. Bodies, and what
+//          panes transmit, lose nothing there: directions on the wrong side of the facet are mirrored at it.
 #pragma once
 
 #include "shade/layer.h"

@@ -5,8 +5,6 @@
 namespace occam::shade {
 namespace {
 
-Vec3f turned(Vec3f v, Vec3f normal) noexcept { return v - normal * (2 * glm::dot(v, normal)); }
-
 // Describes a microfacet that sends light from a direction to the eye.
 struct Facet {
     float density = 0;  ///< density of the direction per solid angle, if all visible microfacets acted like this one
@@ -44,12 +42,12 @@ Facet reflecting_facet(const Surface& s, Vec3f to_light) noexcept
 }
 
 // Calls use(density, chance to reflect, Fresnel reflectance, whether it reflects) for the microfacets that send light
-// from the direction to the eye: one directly, and one by way of the direction's mirror image at the surface.
+// from the direction to the eye: one directly, and one by way of the direction's mirror image at the facet.
 template <class Use>
 void for_facets(const Surface& s, Vec3f to_light, Use&& use) noexcept
 {
-    const bool reflects = glm::dot(s.normal, to_light) > 0;
-    for (const Vec3f direction : {to_light, turned(to_light, s.normal)}) {
+    const bool reflects = glm::dot(s.normal_geometric, to_light) > 0;
+    for (const Vec3f direction : {to_light, turned(to_light, s.normal_geometric)}) {
         const Facet facet = reflects ? reflecting_facet(s, direction) : refracting_facet(s, direction);
         if (!(facet.density > 0)) continue;
         use(facet.density, mirror_chance(s, facet.v_h), fresnel_dielectric(std::min(facet.v_h, 1.0f), s.eta), reflects);
@@ -68,7 +66,7 @@ Vec3f refracted(const Surface& s, Vec3f h) noexcept
 
 Vec3f through_pane(const Surface& s, Vec3f h) noexcept
 {
-    return glm::normalize(turned(h * (2 * glm::dot(s.to_eye, h)) - s.to_eye, s.normal));
+    return behind_facet(s, glm::normalize(turned(h * (2 * glm::dot(s.to_eye, h)) - s.to_eye, s.normal)));
 }
 
 Vec3f pane_transmission(const Surface& s, Vec3f to_light) noexcept
@@ -103,7 +101,7 @@ Vec3f through_body(const Surface& s, Vec3f h, float choice) noexcept
 {
     const bool reflects = choice < mirror_chance(s, glm::dot(s.to_eye, h));
     const Vec3f d = reflects ? glm::normalize(h * (2 * glm::dot(s.to_eye, h)) - s.to_eye) : refracted(s, h);
-    return (glm::dot(s.normal, d) > 0) == reflects ? d : turned(d, s.normal);
+    return (glm::dot(s.normal_geometric, d) > 0) == reflects ? d : turned(d, s.normal_geometric);
 }
 
 Vec3f body_scattering(const Surface& s, Vec3f to_light) noexcept
