@@ -76,10 +76,13 @@ public:
     }
 
 private:
-    /// Makes the table of levels of the rays `enters`. A ray that misses what is diced may have any table.
+    /// Makes the table of levels of the rays `enters`. A ray that misses what is diced may have any table. The table of a
+    /// ray that goes on behind a surface is that with which it came there, so it does not depend on t_near: else a wall that
+    /// was behind the surface could be before it.
     lod::RayLevels<F>* find_levels(const Mask& enters, const F& end) noexcept
     {
-        F in = begin_, out = end;
+        const F zero = 0.0f;
+        F in = zero - ray_.shift - abs(ray_.shift) * F(4 * FLT_EPSILON), out = end;
         clip(ray_, state_.frame.diced_bounds, in, out);
         const Mask sees_levels = enters & (in <= out);
         if (none(sees_levels)) return party_.find_levels(enters, ray_.shift + begin_, ray_.shift + end);

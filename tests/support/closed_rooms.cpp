@@ -214,6 +214,27 @@ std::vector<Room> rooms_with_concave_floors()
         {room("star", star, {0, 0.2, 0}, {0.5, 0.9, 0.5})}};
 }
 
+/// Adds sheets in front of the camera that let all light pass.
+void add_veils(Scene& scene, const Camera& camera, double length)
+{
+    Material clear;
+    clear.base_color = Vec4f(1, 1, 1, 0);
+    clear.alpha_mode = AlphaMode::Blend;
+    const MaterialId material = scene.add(clear);
+    for (int i = 1; i <= 12; ++i) {
+        Cage sheet;
+        sheet.scheme = Scheme::Triangles;
+        for (const Vec2d corner : {Vec2d(-1, -1), Vec2d(1, -1), Vec2d(1, 1), Vec2d(-1, 1)})
+            sheet.positions.push_back(
+                Vec3f(transform_point(camera.world_from_camera, Vec3d(corner * 9.0, -0.1 * i) * length)));
+        sheet.face_vertices = {0, 1, 2, 0, 2, 3};
+        sheet.materials = {material};
+        NodeDesc desc;
+        desc.cages = {scene.add(sheet)};
+        scene.add_node(scene.root(), desc);
+    }
+}
+
 int lit_pixels(const Room& room, const Look& look)
 {
     Scene scene;
@@ -259,7 +280,8 @@ int lit_pixels(const Room& room, const Look& look)
     camera.lens.radius = static_cast<float>(look.lens * length);
     camera.lens.focus = static_cast<float>(look.focus * length);
     camera.lens.orthographic = look.parallel;
-    camera.lens.height = static_cast<float>(4 * look.lens * length);
+    camera.lens.height = static_cast<float>(2 * look.lens * length);
+    if (look.veiled) add_veils(scene, camera, length);
     Settings settings{.width = look.width, .height = look.height, .spp = look.spp};
     if (look.moves != Moves::Not) record(scene, node, camera, look.moves);
     settings.integrator = look.integrator;

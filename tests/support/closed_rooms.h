@@ -44,6 +44,7 @@ struct Look {
     float lens = 0, focus = 0;  ///< radius and distance, in units of the room; 0: a pinhole camera
     bool parallel = false;      ///< the camera is orthographic
     TreeKind tree = TreeKind::Auto;
+    bool veiled = false;  ///< sheets that let all light pass hang in the room and beyond its walls
     int width = 24, height = 18, spp = 4;
 };
 

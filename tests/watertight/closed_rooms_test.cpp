@@ -123,6 +123,18 @@ TEST(ClosedRooms, AreDarkThroughALensHoweverTheyArePlacedAndMove)
         }
 }
 
+/// A ray that passes a sheet goes on behind it, and sees the walls there as it saw them in front of the sheet.
+TEST(ClosedRooms, AreDarkBehindVeils)
+{
+    for (const Room& room : rooms())
+        for (const float rate : {1.0f, 4.0f, 16.0f})
+            for (const float lens : {0.0f, lens_of(room)}) {
+                expect_dark(room, {.rate = rate, .lens = lens, .focus = 0.55f, .veiled = true});
+                if (room.name != "bipyramid")
+                    expect_dark(room, {.rate = rate, .displaced = true, .lens = lens, .focus = 0.55f, .veiled = true});
+            }
+}
+
 TEST(ClosedRooms, AreDarkWhateverTheCage)
 {
     const int count = is_long() ? 100 : 8;
