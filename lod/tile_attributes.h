@@ -1,4 +1,5 @@
-// Computes what phase one of shading needs at the vertices of a tile: normals and texture coordinates.
+// Computes what phase one of shading needs at the vertices of a tile: normals and texture coordinates; and whether patches
+// overlap there, on which the starts of secondary rays depend.
 //
 // Space    normals are in the cage's dicing frame, which has world axes.
 // Memory   results lie in the given arena.

@@ -91,8 +91,7 @@ std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, 
     if (too_large > 0)
         lines.push_back(
             "materials with an alpha, a reflectance or a colour of sheen or attenuation above 1, an index of refraction "
-            "above "
-            "100 or a scale of a normal map above 10000, which were clamped: " +
+            "above 100 or a scale of a normal map above 10000, which were clamped: " +
             std::to_string(too_large));
     if (too_far > 0)
         lines.push_back(

@@ -32,8 +32,9 @@ inline Vec3f limited(Vec3f c) noexcept
 
 /// Returns a line for each kind of value that is clamped, with a count: lights, environments and emissions beyond
 /// kMaxRadiance, base colours above 1 of materials that reflect, and what else is beyond scenegraph/material_limits.h.
-/// Another line counts the lights that are left out because they are too far away (WorldLight::is_in_reach). The scene must
-/// be refitted. scale   that of the frame, in whose unit the intensities of point lights are limited
+/// Another line counts the lights that are left out because they are too far away (WorldLight::is_in_reach), and one the
+/// nodes that reach beyond kMaxCoordinate while the shutter is open. The scene must be refitted.
+/// scale   that of the frame, in whose unit the intensities of point lights are limited
 std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, const FrameScale& scale = {});
 
 }  // namespace occam::shade
