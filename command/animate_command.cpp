@@ -229,7 +229,7 @@ void make_frames(Stage stage, const std::vector<int>& missing, std::size_t done,
         // An interrupted frame is not written, since a frame is either complete or absent.
         if (wait_for(job, display, held, false, done, frame_count) != Ending::Whole) {
             display.end();
-            write_stats(a, all.text(), held);
+            write_stats(a, held, [&all] { return all.text(); });
             end_interrupted();
         }
         FrameStats stats = job.stats();
@@ -275,14 +275,14 @@ int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
     } catch (...) {
         // The frames that are finished have their statistics, and what ended the run is what is reported.
         try {
-            if (!all.is_empty()) write_stats(a, all.text(), held);
+            if (!all.is_empty()) write_stats(a, held, [&all] { return all.text(); });
         } catch (const std::exception& error) {
             std::fprintf(stderr, "occam: %s\n", printable_line(error.what()).c_str());
         }
         throw;
     }
     display.end();
-    write_stats(a, all.text(), held);
+    write_stats(a, held, [&all] { return all.text(); });
     return is_interrupted() ? kInterruptedExit : 0;
 }
 

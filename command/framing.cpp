@@ -284,12 +284,12 @@ Ending wait_for(Job& job, ProgressDisplay& display, HeldInterrupts& held, bool k
     return Ending::Interrupted;
 }
 
-void write_stats(const RenderArguments& a, const std::string& json, HeldInterrupts& held)
+void write_stats(const RenderArguments& a, HeldInterrupts& held, const std::function<std::string()>& json)
 {
     if (a.stats.empty()) return;
     if (is_written_directly(a.stats)) held.limit();
     else held.allow_time();
-    write_whole(a.stats, json);
+    write_whole(a.stats, json());
 }
 
 void check_outputs(const RenderArguments& a, std::span<const std::filesystem::path> pictures,

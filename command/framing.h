@@ -2,6 +2,7 @@
 // its cost.
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "arguments.h"
@@ -71,7 +72,8 @@ Ending wait_for(Job& job, ProgressDisplay& display, HeldInterrupts& held, bool k
 
 /// Writes the statistics, if they are asked for. Whoever reads a pipe may do so when he likes, so after a signal the process
 /// waits no longer than a second for him, while a regular file gets the time that it needs.
-void write_stats(const RenderArguments& arguments, const std::string& json, HeldInterrupts& held);
+/// json   makes the text, and is called only if it is asked for: a picture that is there must not fail for lack of memory
+void write_stats(const RenderArguments& arguments, HeldInterrupts& held, const std::function<std::string()>& json);
 
 /// Checks, before minutes of work, that pictures and statistics can be written, and removes what killed runs left of
 /// these pictures. The pictures are in one folder and of one format. Throws Error. Whether the pictures that are there can

@@ -112,7 +112,7 @@ private:
 // Writes and prints what is known of a frame that was made, which is not worth waiting for as its picture is.
 void report(const RenderArguments& a, const FrameStats& stats, HeldInterrupts& held)
 {
-    if (!a.stats.empty()) write_stats(a, render::to_json(stats), held);  // else nothing may be allocated for them
+    write_stats(a, held, [&stats] { return render::to_json(stats); });
     held.limit();
     print_light(stats);
     print_warnings(stats.warnings, a.verbose);
