@@ -175,7 +175,8 @@ struct Job::State {
         // Who stops a frame does not want to wait, and a part of a picture is compared with nothing.
         if (!control.is_cancelled()) stats.image.checksum = image.checksum();
         stats.warnings = scene.warnings;
-        for (std::string& warning : shade::input_warnings(scene, settings.sky_strength, FrameScale(bounds)))
+        for (std::string& warning :
+             shade::input_warnings(scene, renderer->textures, settings.sky_strength, FrameScale(bounds)))
             stats.warnings.push_back(std::move(warning));
         for (std::string& warning : renderer->textures.warnings()) stats.warnings.push_back(std::move(warning));
         if (!stats.complete && !control.is_cancelled())

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "base/overloaded.h"
+#include "io/texture/texture_store.h"
 #include "scenegraph/material_limits.h"
 #include "scenegraph/shown_nodes.h"
 #include "shade/frame_lights.h"
@@ -23,6 +24,12 @@ bool is_beyond(const Light& light, const FrameScale& scale) noexcept
         [](const SunLight& sun) { return is_beyond(sun.irradiance); },
         [](const AreaLight& area) { return is_beyond(area.radiance); }};
     return std::visit(is_kind_beyond, light.kind);
+}
+
+// A strength within the limit may be multiplied by a texel of up to 65504.
+bool is_beyond(Vec3f strength, const TextureUse& image, const TextureStore& textures) noexcept
+{
+    return is_beyond(strength) || is_beyond(strength * textures.brightest(image));
 }
 
 // Returns true if a surface would reflect more light than it receives. The colour of an unlit material is not limited.
@@ -58,7 +65,8 @@ std::size_t nodes_that_leave(const Scene& scene)
 
 }  // namespace
 
-std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, const FrameScale& scale)
+std::vector<std::string> input_warnings(const Scene& scene, const TextureStore& textures, float sky_strength,
+                                        const FrameScale& scale)
 {
     std::set<const Material*> materials;
     std::set<const Light*> lights;
@@ -79,11 +87,13 @@ std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, 
                                          [](const Material* m) { return !has_factors_within_limits(*m); });
     const auto too_far = std::count_if(materials.begin(), materials.end(),
                                        [](const Material* m) { return !has_transforms_within_limits(*m); });
-    const auto too_bright = std::count_if(materials.begin(), materials.end(),
-                                          [](const Material* m) { return is_beyond(m->emission); }) +
+    const auto glows_too_much = [&](const Material* m) { return is_beyond(m->emission, m->emission_texture, textures); };
+    TextureUse sky;
+    sky.texture = scene.environment.image;
+    const auto too_bright = std::count_if(materials.begin(), materials.end(), glows_too_much) +
                             std::count_if(lights.begin(), lights.end(),
                                           [&](const Light* l) { return is_beyond(*l, scale); }) +
-                            is_beyond(scene.environment.radiance) + is_beyond(Vec3f(sky_strength));
+                            is_beyond(scene.environment.radiance, sky, textures) + is_beyond(Vec3f(sky_strength));
     std::vector<std::string> lines;
     if (too_white > 0)
         lines.push_back("materials whose base colour is above 1, which reflect as if it were 1: " +

@@ -14,7 +14,8 @@
 
 namespace occam {
 class Scene;
-}
+class TextureStore;
+}  // namespace occam
 
 namespace occam::shade {
 
@@ -31,10 +32,12 @@ inline Vec3f limited(Vec3f c) noexcept
 }
 
 /// Returns a line for each kind of value that is clamped, with a count: lights, environments and emissions beyond
-/// kMaxRadiance, base colours above 1 of materials that reflect, and what else is beyond scenegraph/material_limits.h.
-/// Another line counts the lights that are left out because they are too far away (WorldLight::is_in_reach), and one the
-/// nodes that reach beyond kMaxCoordinate while the shutter is open. The scene must be refitted.
-/// scale   that of the frame, in whose unit the intensities of point lights are limited
-std::vector<std::string> input_warnings(const Scene& scene, float sky_strength, const FrameScale& scale = {});
+/// kMaxRadiance, alone or times their brightest texel, base colours above 1 of materials that reflect, and what else is
+/// beyond scenegraph/material_limits.h. Another line counts the lights that are left out because they are too far away
+/// (WorldLight::is_in_reach), and one the nodes that reach beyond kMaxCoordinate while the shutter is open. The scene must
+/// be refitted. textures  of the scene; those that no lookup has asked for, or that are read in tiles, count as black scale
+/// that of the frame, in whose unit the intensities of point lights are limited
+std::vector<std::string> input_warnings(const Scene& scene, const TextureStore& textures, float sky_strength,
+                                        const FrameScale& scale);
 
 }  // namespace occam::shade

@@ -95,6 +95,9 @@ void MipImage::write_row(int y, std::span<const Vec4f> texels)
         const Vec4f size = glm::abs(t);
         clamped_texels_ += !(size.x <= kLargestHalf && size.y <= kLargestHalf && size.z <= kLargestHalf &&
                              size.w <= kLargestHalf);
+        texels_below_0_ += t.x < 0 || t.y < 0 || t.z < 0;
+        for (int c = 0; c < 3; ++c)
+            if (t[c] > brightest_[c]) brightest_[c] = std::min(t[c], kLargestHalf);
     }
     levels_[0].write_row(y, texels);
 }

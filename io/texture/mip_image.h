@@ -27,11 +27,15 @@ public:
     static std::size_t bytes_of(int width, int height) noexcept;
 
     /// Writes a row. A channel that is not a number becomes 0; one beyond the largest half float becomes that value.
-    /// clamped_texels() counts both.
+    /// clamped_texels() counts both. One below 0 stays, and texels_below_0() counts it.
     void write_row(int y, std::span<const Vec4f> texels);
     void build_levels();
     /// Returns the number of texels given to write_row() that had to be clamped.
     std::size_t clamped_texels() const noexcept { return clamped_texels_; }
+    /// Returns the number of texels given to write_row() of which a red, green or blue channel was below 0.
+    std::size_t texels_below_0() const noexcept { return texels_below_0_; }
+    /// Returns the largest red, green and blue of all texels given to write_row(), as they were clamped, and at least 0.
+    Vec3f brightest() const noexcept { return brightest_; }
 
     Vec4f texel(int level, int x, int y) const noexcept { return levels_[static_cast<std::size_t>(level)].texel(x, y); }
     /// Returns the four half floats of a texel.
@@ -56,7 +60,8 @@ private:
     static Level halved(const Level& from);
 
     std::vector<Level> levels_;
-    std::size_t clamped_texels_ = 0;
+    std::size_t clamped_texels_ = 0, texels_below_0_ = 0;
+    Vec3f brightest_{0};
 };
 
 }  // namespace occam

@@ -93,6 +93,10 @@ void TextureEntry::decode()
         if (const std::size_t texels = decoded_->clamped_texels())
             warnings_.push_back(description_.name + ": texels that are not finite numbers, or above 65504, were clamped: " +
                                 std::to_string(texels));
+        const bool is_color = description_.role == TextureRole::Color;
+        if (const std::size_t texels = decoded_->texels_below_0(); is_color && texels > 0)
+            warnings_.push_back(description_.name +
+                                ": texels with a colour below 0, which counts as 0: " + std::to_string(texels));
     } catch (const std::bad_alloc&) {
         lacks_memory_ = true;  // a line for it would need memory, too
         has_failed_ = true;

@@ -67,6 +67,12 @@ public:
         const std::lock_guard lock(decoding_);
         return decoded_ ? decoded_->bytes() : 0;
     }
+    /// Returns the largest red, green and blue of its texels; 0 if they were not decoded or are read in tiles.
+    Vec3f brightest() const
+    {
+        const std::lock_guard lock(decoding_);
+        return decoded_ ? decoded_->brightest() : Vec3f(0);
+    }
     double decode_seconds() const
     {
         const std::lock_guard lock(decoding_);

@@ -266,6 +266,12 @@ bool TextureStore::has_one_texel(const TextureUse& use) const
     return has_one_texel_in(found->image(state_->unreadable));
 }
 
+Vec3f TextureStore::brightest(const TextureUse& use) const noexcept
+{
+    const TextureEntry* found = state_->find(use.texture);
+    return found ? found->brightest() : Vec3f(1);
+}
+
 std::uint64_t TextureStore::identity(const TextureUse& use) const noexcept
 {
     const TextureEntry* found = state_->find(use.texture);

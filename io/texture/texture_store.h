@@ -61,6 +61,10 @@ public:
     /// them until one differs.
     bool has_one_texel(const TextureUse& use) const;
 
+    /// Returns the largest red, green and blue of all texels of the finest level, and at least 0. Returns white for no
+    /// texture, and black for one that no lookup has asked for yet or that is read in tiles.
+    Vec3f brightest(const TextureUse& use) const noexcept;
+
     /// Returns the identity of the texture as it was at prepare(), which tells its texels apart from those that it had
     /// before a Scene::replace(); 0 where sample() gives white.
     std::uint64_t identity(const TextureUse& use) const noexcept;
@@ -72,8 +76,8 @@ public:
     std::size_t bytes() const noexcept;
     /// Returns the seconds that threads have spent on decoding known textures and reading tiles, summed.
     double decode_seconds() const noexcept;
-    /// Returns warnings: textures without a file, those that were halved, and those with clamped texels, in the order of
-    /// the textures' identities.
+    /// Returns warnings: textures without a file, those that were halved, and those with texels that are clamped or
+    /// below 0, in the order of the textures' identities.
     std::vector<std::string> warnings() const;
     /// Returns errors: textures that are not images or cannot be read, as far as they have been looked up, in the same
     /// order.

@@ -89,6 +89,53 @@ TEST(InputLimits, StrengthsBeyondMeasureAreClampedAndCountedAndWhatIsNoNumberIsR
     EXPECT_FALSE(picture_of(scene).warns_of("clamped"));
 }
 
+Texture floats_named(const char* name, const Vec4f& odd_texel)
+{
+    Texture image;
+    image.name = name;
+    image.width = 8;
+    image.height = 4;
+    image.pixels.assign(32, Vec4f(1));
+    image.pixels[9] = image.pixels[17] = odd_texel;
+    return image;
+}
+
+TEST(InputLimits, StrengthsWithinTheLimitWhoseImagesAreBrightAreCounted)
+{
+    for (const float texel : {2.0f, 60000.0f}) {
+        Scene scene = scene_of({});
+        Material glow;
+        glow.emission = Vec3f(0, 1e11f, 0);
+        glow.emission_texture.texture = scene.add(floats_named("glow", Vec4f(1, texel, 1, 1)));
+        Cage square = textured_square();
+        square.materials = {scene.add(glow)};
+        place(scene, scene.add(std::move(square)), Vec3d(0, 2, 0));
+        scene.environment = {Vec3f(0, 1e11f, 0), scene.add(floats_named("sky", Vec4f(1, texel, 1, 1))), 0};
+        const Picture p = picture_of(scene);
+        EXPECT_TRUE(p.is_finite) << texel;
+        EXPECT_LE(p.brightest, 1e13f) << texel << ": one square scatters light of its own and of the sky";
+        EXPECT_EQ(p.warns_of("brighter than 1e12, which were clamped: 2"), texel > 10);
+        EXPECT_EQ(p.warns_of("which were clamped"), texel > 10);
+    }
+}
+
+TEST(InputLimits, TexelsBelowZeroAreCountedWhereTheyAreColours)
+{
+    Scene scene = scene_of({});
+    scene.environment = {Vec3f(1), scene.add(floats_named("sky", Vec4f(1, -0.25f, 1, 1))), 0};
+    EXPECT_TRUE(picture_of(scene).warns_of("sky: texels with a colour below 0, which counts as 0: 2"));
+
+    Material mapped;
+    Texture slopes = floats_named("slopes", Vec4f(0.5f, 0.5f, -1, 1));
+    slopes.role = TextureRole::Data;
+    Scene bumpy;
+    mapped.normal_texture.texture = bumpy.add(std::move(slopes));
+    Cage square = textured_square();
+    square.materials = {bumpy.add(mapped)};
+    place(bumpy, bumpy.add(std::move(square)), Vec3d(0));
+    EXPECT_FALSE(picture_of(bumpy).warns_of("below 0"));
+}
+
 TEST(InputLimits, NoSurfaceReflectsMoreLightThanItGets)
 {
     for (const float metallic : {0.0f, 1.0f}) {
