@@ -56,6 +56,9 @@ void catch_interrupts() noexcept
     sigemptyset(&action.sa_mask);
     action.sa_flags = SA_RESTART;
     for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+    struct sigaction of_caller = {};
+    sigaction(SIGHUP, nullptr, &of_caller);
+    if (of_caller.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
     action.sa_handler = end_at_alarm;
     sigaction(SIGALRM, &action, nullptr);
     sigset_t alarm_alone;  // a process may be started with signals blocked

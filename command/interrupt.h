@@ -1,4 +1,4 @@
-// Handles Ctrl-C and SIGTERM.
+// Handles Ctrl-C, SIGTERM and the end of the terminal.
 //
 // A signal ends the process at once with exit code 130 and removes its temporary files, unless something is being made that
 // is worth keeping: while a HeldInterrupts lives, the first signal is noted, and the process has a second to end by itself,
@@ -10,7 +10,7 @@ namespace occam::command {
 
 inline constexpr int kInterruptedExit = 130;
 
-/// Installs the handlers of SIGINT and SIGTERM.
+/// Installs the handlers of SIGINT, SIGTERM and SIGHUP. SIGHUP stays ignored in a process that was started so, as by nohup.
 void catch_interrupts() noexcept;
 /// Returns true if a signal was noted.
 bool is_interrupted() noexcept;

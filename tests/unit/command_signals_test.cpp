@@ -106,6 +106,26 @@ TEST_F(Signals, EndARenderWhoseStatisticsNobodyReads)
     EXPECT_EQ(names_in_folder(), (std::vector<std::string>{"a.png", "s.fifo", "stderr.txt", "stdout.txt", "triangle.obj"}));
 }
 
+TEST_F(Signals, OfATerminalThatIsGoneEndARenderUnlessItWasStartedToIgnoreThem)
+{
+    for (const bool is_ignored : {false, true}) {
+        fs::remove(folder / "a.png");
+        fs::remove(folder / "stderr.txt");
+        before_exec = [&] { signal(SIGHUP, is_ignored ? SIG_IGN : SIG_DFL); };
+        const pid_t child = start(long_picture({"--progress", "plain"}));
+        wait_for_text("rendering, 1");
+        kill(child, SIGHUP);
+        if (is_ignored) {
+            std::this_thread::sleep_for(50ms);
+            EXPECT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "the process goes on";
+            kill(child, SIGTERM);
+        }
+        EXPECT_EQ(finish_or_kill(child).exit_code, kInterrupted);
+        EXPECT_TRUE(fs::exists(folder / "a.png"));
+        EXPECT_EQ(names_in_folder(), (std::vector<std::string>{"a.png", "stderr.txt", "stdout.txt", "triangle.obj"}));
+    }
+}
+
 TEST_F(Signals, EndAFinishedRenderWhoseStatisticsNobodyReads)
 {
     mkfifo((folder / "s.fifo").c_str(), 0666);
