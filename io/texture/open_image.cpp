@@ -7,6 +7,7 @@
 #include "io/exr_file.h"
 #include "io/input_file.h"
 #include "io/png_file.h"
+#include "io/texture/color_maps.h"
 #include "io/texture/image_header.h"
 #include "io/texture/image_metadata.h"
 #include "io/texture/jpeg_head.h"
@@ -51,6 +52,9 @@ public:
             if (format_ == "jpeg") check_scans(image.bytes);
             image.reader = format_ == "png" ? open_png(ImageBytes(std::span(std::as_const(image.bytes))), why)
                                             : picture_codec().open(image.bytes, format_, why);
+        } else if (has_color_numbers(bytes_, format_)) {
+            image.bytes = with_whole_color_map(whole(), format_);
+            image.reader = picture_codec().open(image.bytes, format_, why);
         } else {
             if (encoded_) image.bytes = *encoded_;
             if (format_ == "openexr")
@@ -81,6 +85,8 @@ private:
         if (has_foreign_pixels_dds(bytes_))
             refuse("the DDS file is a cube map or a volume, or its pixels are of a kind that is not read");
         if (has_foreign_compression_bmp(bytes_)) refuse("the image is compressed in a way that is not read");
+        if (format_ == "targa" && has_foreign_color_map_tga(bytes_))
+            refuse("the pixels are numbers of colours, of a kind that is not read");
         if (const auto canvas = declared_canvas(bytes_)) check_size(canvas->width, canvas->height);
         if (format_ != "openexr") return;
         if (const auto head = read_exr_head(bytes_)) {

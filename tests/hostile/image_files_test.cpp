@@ -2,6 +2,7 @@
 // spends time or memory on it.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "io/exr_file.h"
@@ -45,6 +46,25 @@ protected:
         ASSERT_EQ(errors.size(), 1u) << name;
         EXPECT_NE(errors[0].find(name), std::string::npos) << errors[0];
         EXPECT_NE(errors[0].find(why), std::string::npos) << errors[0];
+    }
+
+    /// Returns the red of the four texels of an image of 2 x 2, times 255.
+    std::vector<int> reds_of(const std::string& name, const std::string& content)
+    {
+        Scene scene;
+        Texture texture;
+        texture.path = folder_.write(name, content);
+        texture.role = TextureRole::Data;
+        TextureUse use;
+        use.texture = scene.add(std::move(texture));
+        use.nearest = true;
+        TextureStore store(std::size_t(16) << 20);
+        store.prepare(scene);
+        std::vector<int> found;
+        for (const Vec2f at : {Vec2f(0.25f, 0.25f), Vec2f(0.75f, 0.25f), Vec2f(0.25f, 0.75f), Vec2f(0.75f, 0.75f)})
+            found.push_back(static_cast<int>(std::lround(255 * store.sample(use, at, 0).x)));
+        EXPECT_EQ(store.errors(), std::vector<std::string>{}) << name;
+        return found;
     }
 
 private:
@@ -172,6 +192,59 @@ TEST_F(ImageFiles, BmpsOfRunLengthsHaveAsManyBitsAsTheseSay)
     expect_no_refusal("runs4.bmp", bmp(4, 2));
     for (const std::uint32_t bits : {1u, 4u, 8u, 16u, 24u, 32u}) expect_no_refusal("plain.bmp", bmp(bits, 0));
     for (const std::uint32_t bits : {16u, 32u}) expect_no_refusal("masks.bmp", bmp(bits, 3));
+}
+
+/// Returns a TGA of 2 x 2 pixels that are numbers of colours, of which there are `count` from number `first` on: the red of
+/// each is its number.
+std::string tga_of_numbers(std::uint32_t first, std::uint32_t count, std::string pixels, std::uint32_t bits = 8)
+{
+    std::string file = little_endian(0x010100, 3) + little_endian(first, 2) + little_endian(count, 2) +
+                       little_endian(24, 1) + little_endian(0, 4) + little_endian(2, 2) + little_endian(2, 2) +
+                       little_endian(bits, 1) + little_endian(0x20, 1);
+    for (std::uint32_t i = first; i < first + count; ++i) file += little_endian(i << 16, 3);
+    return file + pixels;
+}
+/// Returns the same as a GIF that is not compressed: nine bits for each number.
+std::string gif_of_numbers(std::uint32_t log2_of_count, const std::string& pixels, bool is_local)
+{
+    const std::uint32_t fields = 0x80 | (log2_of_count - 1);
+    std::string map;
+    for (std::uint32_t i = 0; i < 1u << log2_of_count; ++i) map += little_endian(i, 3);
+    std::string file = "GIF89a" + little_endian(2, 2) + little_endian(2, 2) + little_endian(is_local ? 0 : fields, 3);
+    if (!is_local) file += map;
+    file += std::string("\x21\xfe\1x\0,", 6) + little_endian(0, 4) + little_endian(2, 2) + little_endian(2, 2) +
+            little_endian(is_local ? fields : 0, 1);
+    if (is_local) file += map;
+    std::uint64_t codes = 256, end = 9;
+    for (const char pixel : pixels) codes |= std::uint64_t(static_cast<unsigned char>(pixel)) << end, end += 9;
+    codes |= std::uint64_t(257) << end;
+    file += "\x08\x07";
+    for (int k = 0; k < 7; ++k) file += static_cast<char>(codes >> (8 * k));
+    return file + std::string("\0;", 2);
+}
+
+// The library read what lay in memory behind the colours.
+TEST_F(ImageFiles, NumbersWithoutAColourAreBlack)
+{
+    const std::string pixels("\1\2\xff\3", 4);
+    EXPECT_EQ(reds_of("a.tga", tga_of_numbers(0, 3, pixels)), (std::vector<int>{1, 2, 0, 0}));
+    EXPECT_EQ(reds_of("b.tga", tga_of_numbers(0, 256, pixels)), (std::vector<int>{1, 2, 255, 3}));
+    EXPECT_EQ(reds_of("first.tga", tga_of_numbers(2, 2, pixels)), (std::vector<int>{0, 2, 0, 3}));
+    EXPECT_EQ(reds_of("far.tga", tga_of_numbers(65'535, 3, pixels)), (std::vector<int>{0, 0, 0, 0}));
+    std::string footer = tga_of_numbers(0, 3, pixels) + std::string("abc", 3) + little_endian(33, 4) + little_endian(0, 4) +
+                         std::string("TRUEVISION-XFILE.\0", 18);
+    EXPECT_EQ(reds_of("footer.tga", footer), (std::vector<int>{1, 2, 0, 0}));
+    for (const bool is_local : {false, true}) {
+        EXPECT_EQ(reds_of("a.gif", gif_of_numbers(2, pixels, is_local)), (std::vector<int>{1, 2, 0, 3})) << is_local;
+        EXPECT_EQ(reds_of("b.gif", gif_of_numbers(8, pixels, is_local)), (std::vector<int>{1, 2, 255, 3})) << is_local;
+    }
+    for (const std::uint32_t bits : {15u, 16u, 24u, 32u})
+        expect_refusal("wide.tga", tga_of_numbers(0, 3, pixels + pixels + pixels + pixels, bits), "numbers of colours");
+    // What is cut off gets one line at most.
+    const std::string whole = tga_of_numbers(0, 3, pixels), gif = gif_of_numbers(2, pixels, false);
+    for (std::size_t size = 18; size < whole.size(); ++size)
+        EXPECT_LE(errors_of("cut.tga", whole.substr(0, size)).size(), 1u);
+    for (std::size_t size = 6; size < gif.size(); ++size) EXPECT_LE(errors_of("cut.gif", gif.substr(0, size)).size(), 1u);
 }
 
 // The library did not come to an end with one that is a cube map of pixels without bits.
