@@ -193,8 +193,23 @@ void Bvh::make_node(BvhLink* at, BvhLeaf* leaf, const BvhRecord& record)
         for (std::size_t c = part.begin; c < part.end; ++c) list[c - part.begin] = candidates_[c].item;
         node.children[i].bits = BvhState::of(*make_lazy({list, record.depth + 1, record.begin, record.end}));
     }
+    if (segments_ > 0) note_visibility(node);
     publish(at->bits, BvhState::of(node));
     counters_.kd_nodes += static_cast<std::uint64_t>(part_count_);
+}
+
+void Bvh::note_visibility(BvhNode& node)
+{
+    std::uint32_t seen[BvhNode::kWidth], common = lod::PosedCage::kAllSegments;
+    for (int i = 0; i < part_count_; ++i) {
+        const Part& part = parts_[static_cast<std::size_t>(i)];
+        seen[i] = candidates_.visible_in(part.begin, part.end);
+        common &= seen[i];
+    }
+    if (common == lod::PosedCage::kAllSegments) return;
+    const std::span<std::uint32_t> kept = arena_.make_array<std::uint32_t>(BvhNode::kWidth);
+    std::copy(seen, seen + part_count_, kept.begin());
+    node.visible_in = kept.data();
 }
 
 void Bvh::make_halved_node(BvhLink* at, BvhLeaf* leaf, const BvhRecord& record)

@@ -73,9 +73,18 @@ struct alignas(Arena::kAlign) BvhNode {
     KeySpan keys{};
     /// At least 0: the node has two children without boxes, for times up to this one and from this one on.
     float halved_at = -1;
+    /// What may be seen of each child, as Items::visible_segments; null: all of them at all times.
+    const std::uint32_t* visible_in = nullptr;
 
     bool is_halved() const noexcept { return halved_at >= 0; }
     const float* boxes() const noexcept { return reinterpret_cast<const float*>(this + 1); }
+    /// Returns the children of which something may be seen in any of these segments of the shutter, as bits.
+    unsigned seen_in(std::uint32_t segments) const noexcept
+    {
+        unsigned seen = 0;
+        for (int i = 0; i < count; ++i) seen |= unsigned((visible_in[i] & segments) != 0) << i;
+        return seen;
+    }
 };
 
 class Bvh {
@@ -133,6 +142,8 @@ private:
     /// Writes the boxes at all keys of the candidates [begin, end) as one, at a place among groups of boxes.
     void set_boxes(float* boxes, std::size_t stride, std::size_t place, const KeySpan& keys, std::size_t begin,
                    std::size_t end) const;
+    /// Notes what may be seen of the parts, if that is not all of them at all times.
+    void note_visibility(BvhNode& node);
     /// Returns whether the parts' boxes grow so much over the interval that it is better to halve it.
     bool grows(const BvhRecord& record) const;
     /// Fills parts_ with all candidates, divided.

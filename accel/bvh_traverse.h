@@ -124,6 +124,9 @@ bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counte
         };
         if (!kIsOne) clip_now();
         MaskOf<F> alive = in <= out;
+        if constexpr (Boxes::kAreKept)
+            if (next.parent && next.parent->visible_in)
+                alive = alive & rays.times.are_in(next.parent->visible_in[next.child]);
         while (any(alive)) {
             const BvhState at = next.node->state();
             if constexpr (requires { leaf.enters(next.node, true, in, out); })
@@ -168,7 +171,10 @@ bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counte
             const Boxes boxes(node, rays.times);
             // The nearest one comes last and is taken first.
             int order[BvhNode::kWidth], count = 0;
-            for (unsigned entered = boxes.entered(rays.as_one, end, begin); entered != 0; entered &= entered - 1) {
+            unsigned entered = boxes.entered(rays.as_one, end, begin);
+            if constexpr (Times::kMoves)
+                if (node.visible_in) entered &= node.seen_in(rays.times.segments());
+            for (; entered != 0; entered &= entered - 1) {
                 const int child = std::countr_zero(entered);
                 int k = count++;
                 for (; k > 0 && begin[child] > begin[order[k - 1]]; --k) order[k] = order[k - 1];

@@ -131,6 +131,13 @@ Box3f Candidates::box_at(ItemIndex item, float time) const noexcept
     return box.is_empty() ? items_[item].box : box;
 }
 
+std::uint32_t Candidates::visible_in(std::size_t begin, std::size_t end) const noexcept
+{
+    std::uint32_t seen = 0;
+    for (std::size_t c = begin; c < end; ++c) seen |= items_.visible_segments((*this)[c].item);
+    return seen;
+}
+
 bool Candidates::move() const noexcept
 {
     return std::any_of(begin(), end(), [&](const Candidate& c) { return !items_.key_boxes(c.item).empty(); });
@@ -149,7 +156,7 @@ TreeLeaf Candidates::leaf(Arena& arena, const KeySpan& keys) const
     for (std::size_t c = 0; c < size(); ++c) {
         const ItemIndex item = (*this)[c].item;
         if (!move) set_box(boxes.data(), c, items_[item].box);
-        leaf.entries[c] = {nullptr, {}, item};
+        leaf.entries[c] = {nullptr, {}, item, items_.visible_segments(item)};
         const PairRange range = items_.range(item, pair_);
         leaf.pairs = {std::max(leaf.pairs.finest, range.finest), std::min(leaf.pairs.coarsest, range.coarsest)};
     }

@@ -45,6 +45,8 @@ public:
     TreeLeaf leaf(Arena& arena, const KeySpan& keys = {}) const;
     /// Returns a box that holds an item at a moment of the shutter.
     Box3f box_at(ItemIndex item, float time) const noexcept;
+    /// Returns what may be seen of any of the candidates [begin, end), as Items::visible_segments.
+    std::uint32_t visible_in(std::size_t begin, std::size_t end) const noexcept;
     /// Returns whether any item moves.
     bool move() const noexcept;
     /// Returns the pair up to which all boxes are right.

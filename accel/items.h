@@ -146,6 +146,13 @@ public:
         const Item& item = items_[i];
         return item.at_keys ? std::span(item.at_keys, std::size_t(frame_.segments) + 1) : std::span<const Box3f>();
     }
+    /// Returns a mask whose bit k tells whether anything of the item may be seen in segment k of the scene's shutter.
+    std::uint32_t visible_segments(ItemIndex i) const noexcept
+    {
+        const Item& item = items_[i];
+        const bool is_node = item.kind == Item::SceneNode || item.kind == Item::Children || item.kind == Item::Unmade;
+        return is_node ? static_cast<const PlacedNode*>(item.subject)->visible_in : item.cage().visible_in;
+    }
     /// Returns the pairs for which that igrid is the same.
     PairRange range(ItemIndex i, int pair) const noexcept;
 

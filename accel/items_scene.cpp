@@ -95,7 +95,8 @@ void Items::add_cage(const PlacedNode& at, const Node& node, CageId id, std::siz
                                        at.seen_by,    at.lit_by,
                                        at.visible_in, at.path.to(lod::GraphPath::place_of_cage(place)),
                                        at.instance};
-    add_cluster(lod::pose_cage(placement, frame_.levels, {tables, frame_.textures, arena_, counters_.deform}), 0);
+    lod::for_each_size(placement, frame_.levels, {tables, frame_.textures, arena_, counters_.deform},
+                       [&](const lod::PosedCage& cage) { add_cluster(cage, 0); });
 }
 
 void Items::open_node(const PlacedNode& at)

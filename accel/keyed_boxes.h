@@ -50,6 +50,23 @@ public:
     F time;             ///< in [0, 1]
     float first, last;  ///< the earliest and the latest of them
 
+    /// Returns a mask with a bit for each segment of the shutter from that of the first time to that of the last one.
+    std::uint32_t segments() const noexcept { return (~0u >> (31 - whole_.second.key)) & (~0u << whole_.first.key); }
+    /// Returns which rays have their time in one of these segments of the shutter.
+    OCCAM_NEVER_INLINE MaskOf<F> are_in(std::uint32_t segments) const noexcept
+    {
+        const auto is_in = [&](float at) {
+            return (segments >> lod::key_time(at, static_cast<int>(per_time_)).key & 1) != 0;
+        };
+        if constexpr (std::is_same_v<F, float>) return is_in(time);
+        else {
+            alignas(32) float in[sizeof(F) / sizeof(float)];
+            time.store(in);
+            for (float& at : in) at = is_in(at) ? 1.0f : 0.0f;
+            return F::load(in) > F(0.0f);
+        }
+    }
+
     /// Returns where the first and the last time lie among the keys of an interval. Those of the whole shutter, which most
     /// nodes have, are known: no other interval has as many keys at these distances.
     OCCAM_ALWAYS_INLINE std::pair<lod::KeyTime, lod::KeyTime> ends_in(const KeySpan& keys) const noexcept

@@ -44,6 +44,7 @@ struct TreeLeaf {
         IGrid* grid = nullptr;  ///< null until a ray enters the item's box; published
         GridBounds bounds;      ///< bounds of the igrid, written before it is published
         ItemIndex item = 0;
+        std::uint32_t visible_in = lod::PosedCage::kAllSegments;  ///< as Items::visible_segments
     };
     PairRange pairs{1, 0};  ///< the pairs for which it holds; empty while nothing is known
     std::span<Entry> entries;

@@ -185,6 +185,7 @@ private:
                 };
                 const Mask entering = here & group.enter(enter, next, far, read_published(entry.grid) ? &entry : nullptr);
                 if (none(entering)) continue;
+                if (!read_published(entry.grid) && !may_see(entry, entering)) continue;  // what no ray sees is not diced
                 IGrid* const grid = state_.grid_of(leaf, number, pair, memory_bytes_);
                 if (!grid) return false;
                 meet(*grid, entering);
@@ -192,6 +193,14 @@ private:
             }
         }
         return true;
+    }
+
+    /// Returns whether any of the rays `entering` may see an entry at its time.
+    bool may_see(const TreeLeaf::Entry& entry, const Mask& entering) const noexcept
+    {
+        if (entry.visible_in == lod::PosedCage::kAllSegments) return true;
+        using Moving = RayTimes<F>;
+        return any(entering & times_of<Moving>(party_.rays(), std::max(state_.frame.segments, 1)).are_in(entry.visible_in));
     }
 
     OCCAM_ALWAYS_INLINE void meet(IGrid& grid, Mask entering)

@@ -1,17 +1,11 @@
 #include "lod/cage_motion.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
-
-#include "lod/growth.h"
 
 namespace occam::lod {
 namespace {
-
-constexpr int kCoarsenedByGrowth = 9;
 
 /// Returns the largest distance from the origin of the image of a box under an affine map.
 double farthest_image(const Mat4d& map, const Box3d& box) noexcept
@@ -33,67 +27,8 @@ double stretch_bound(const Mat4d& map) noexcept
     return std::sqrt(squares);
 }
 
-/// Returns the map from a pose's dicing frame to object axes, unless the pose is so flat that rounding spoils it.
-std::optional<Mat4d> inverse_of(const PosedCage& cage) noexcept
-{
-    constexpr double kFlattest = 0x1p-20;  // the least determinant, as a part of the product of the columns' lengths
-    Mat4d map = cage.world_from_object();
-    map[3] -= Vec4d(cage.anchor, 0);
-    const double volume = glm::determinant(Mat3d(map)),
-                 longest = glm::length(Vec3d(map[0])) * glm::length(Vec3d(map[1])) * glm::length(Vec3d(map[2]));
-    if (!(std::abs(volume) > kFlattest * longest)) return std::nullopt;
-    return glm::inverse(map);
-}
-
 Mat4d between(const Mat4d& a, const Mat4d& b, double share) noexcept { return a * (1 - share) + b * share; }
 double share_of(int key, int before, int after) noexcept { return double(key - before) / double(after - before); }
-
-// Returns the key at which the map enlarges areas most; the middle one if no other is clearly better.
-std::size_t largest_key(std::span<const PosedCage> keys) noexcept
-{
-    constexpr double kClearly = 1.001;
-    const auto area_of = [](const PosedCage& cage) {
-        const Mat3d m = cage.linear_map();
-        const Vec3d a = glm::cross(m[1], m[2]), b = glm::cross(m[2], m[0]), c = glm::cross(m[0], m[1]);
-        return std::sqrt(glm::dot(a, a) + glm::dot(b, b) + glm::dot(c, c));
-    };
-    std::size_t best = (keys.size() - 1) / 2;
-    for (std::size_t k = 0; k < keys.size(); ++k)
-        if (area_of(keys[k]) > kClearly * area_of(keys[best])) best = k;
-    return best;
-}
-
-// Returns the key whose map is least flat, so that normals at rest follow best from normals there; -1 if all are so flat
-// that too few bits of them are left.
-int roundest_key(std::span<const PosedCage> keys) noexcept
-{
-    double roundest = 0x1p-12;
-    int best = -1;
-    for (std::size_t k = 0; k < keys.size(); ++k) {
-        const Mat3d m = keys[k].linear_map();
-        const double length = std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
-        const double roundness = std::abs(glm::determinant(m)) / (length * length * length);
-        if (!(roundness > roundest)) continue;
-        roundest = roundness;
-        best = static_cast<int>(k);
-    }
-    return best;
-}
-
-// Makes the filter of the displacement's texture the same part of the surface at all keys. Edges of levels are about the key
-// at which the cage is largest.
-void share_filters(std::span<PosedCage> keys)
-{
-    double largest = 0;
-    std::vector<double> sizes;
-    const std::vector<FaceVertices> faces = some_faces(keys[0].slot->cage);
-    for (const PosedCage& key : keys) {
-        sizes.push_back(key.size_of_faces(faces));
-        largest = std::max(largest, sizes.back());
-    }
-    for (std::size_t k = 0; k < keys.size() && largest > 0; ++k)
-        keys[k].displacement.filter_share = static_cast<float>(sizes[k] / largest);
-}
 
 }  // namespace
 
@@ -113,6 +48,11 @@ CageMotion::CageMotion(const CageSlot& slot, const Node& node, const SkinSlot* s
     }
     changes_ = int(moves_maps_) + int(moves_weights_) + int(moves_positions_);
     if (slot.cage.is_displaced() && changes_ == 1 && !moves_maps_) some_faces_ = some_faces(slot.cage);
+}
+
+Box3d CageMotion::world_box_at(int key) const
+{
+    return transform_box(world(key), cage_bounds(node_, slot_, skin_, static_cast<std::size_t>(key)));
 }
 
 Box3d CageMotion::world_box() const noexcept
@@ -260,92 +200,18 @@ double CageMotion::deviation(int key, int before, int after) const
     return slot_.cage.is_displaced() ? off + deviation_of_displacement(key, before, after) : off;
 }
 
-int CageMotion::segments(double tolerance) const
+int CageMotion::segments(const std::function<double(int key)>& tolerance) const
 {
     for (int segments = 1; segments < segments_; segments *= 2) {
         const int step = segments_ / segments;
         bool is_near = true;
         for (int key = 0; key < segments_ && is_near; ++key) {
             const int before = key / step * step;
-            if (key != before) is_near = deviation(key, before, before + step) <= tolerance;
+            if (key != before) is_near = deviation(key, before, before + step) <= tolerance(key);
         }
         if (is_near) return segments;
     }
     return segments_;
-}
-
-PosedCage& CageMotion::make_keys(const PosedCage& still, int segments, const PosingTools& tools) const
-{
-    const auto count = static_cast<std::size_t>(segments) + 1;
-    const std::span<PosedCage> keys = tools.arena.make_array<PosedCage>(count);
-    const int step = segments_ / segments;
-    const Box3d box = world_box();
-    float reach = 0;
-    std::array<double, kMostSegments + 1> radii{};
-    for (std::size_t k = 0; k < count; ++k) {
-        PosedCage& cage = *new (&keys[k]) PosedCage(still);
-        const int key = static_cast<int>(k) * step;
-        cage.set_frame(box);
-        cage.set_map(world(key));
-        const CagePose at = pose(key);
-        cage.positions = at.positions.data();
-        if (tools.tables.deformed_clusters) cage.deform(*tools.tables.deformed_clusters, at, tools.arena, tools.counters);
-        if (moves_positions_) {
-            std::vector<Vec3f> posed(at.positions.size());
-            for (std::uint32_t v = 0; v < posed.size(); ++v) posed[v] = cage.vertex(v);
-            const std::span<Box3f> boxes = tools.arena.make_array<Box3f>(cage.clusters->node_count());
-            cage.clusters->boxes_at(slot_.cage, posed, boxes);
-            cage.cluster_boxes = boxes.data();
-        }
-        if (tools.textures) cage.displace(*tools.textures);
-        cage.derive(tools.arena);
-        reach = std::max(reach, cage.displacement.reach);
-        radii[k] = cage.world_box(0).radius();
-    }
-    const std::span<const double> of_keys(radii.data(), count);
-    const std::uint32_t hidden = segments_of_tiny(of_keys, step);
-    for (PosedCage& key : keys) {
-        key.displacement.reach = reach;
-        key.visible_in &= ~hidden;
-        if (grows_much(of_keys)) key.coarsened = kCoarsenedByGrowth;
-    }
-    if (keys[0].is_displaced()) share_filters(keys);
-    if (moves_by_nodes_alone()) {
-        keys[0].still_pose = make_still_pose(keys, tools);
-        keys[0].normal_key = roundest_key(keys);
-    }
-    keys[0].keys = keys.data();
-    keys[0].segments = segments;
-    return keys[0];
-}
-
-const PosedCage* CageMotion::make_still_pose(std::span<const PosedCage> keys, const PosingTools& tools) const
-{
-    if (keys[0].coarsened > 0) return nullptr;
-    // Textures are filtered by the sizes that the surface has in this pose, and rates are those of the largest key.
-    const std::size_t largest = largest_key(keys);
-    const int segments = static_cast<int>(keys.size()) - 1, step = segments_ / segments,
-              at_largest = static_cast<int>(largest) * step;
-    PosedCage still = keys[largest];
-    still.set_frame(transform_box(world(at_largest), cage_bounds(node_, slot_, skin_)));
-    still.set_map(world(at_largest));
-    const std::span<AffinePose> poses = tools.arena.make_array<AffinePose>(keys.size());
-    const std::optional<Mat4d> object_from_still = inverse_of(still);
-    if (!object_from_still) return nullptr;
-    for (std::size_t k = 0; k < keys.size(); ++k) {
-        const Mat4d map = world(static_cast<int>(k) * step) * *object_from_still;
-        poses[k] = {{Vec3d(map[0]), Vec3d(map[1]), Vec3d(map[2])}, Vec3d(map[3])};
-    }
-    const AffineMotion motion{poses};
-    if (!motion.is_invertible()) return nullptr;
-    const CagePose at = pose(at_largest);
-    still.positions = at.positions.data();
-    if (tools.tables.deformed_clusters) still.deform(*tools.tables.deformed_clusters, at, tools.arena, tools.counters);
-    if (tools.textures) still.displace(*tools.textures);
-    still.displacement.reach = keys[0].displacement.reach;
-    still.derive(tools.arena);
-    still.affine = tools.arena.make<AffineMotion>(motion);
-    return tools.arena.make<PosedCage>(still);
 }
 
 namespace {

@@ -8,6 +8,7 @@
 // Threads  const after construction.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -40,12 +41,25 @@ public:
     Box3d world_box() const noexcept;
     /// Returns the least power of two of segments with which no control point is farther than `tolerance` from where the
     /// scene's keys have it.
-    int segments(double tolerance) const;
+    int segments(double tolerance) const
+    {
+        return segments([tolerance](int) { return tolerance; });
+    }
+    /// Does the same with a tolerance for each key.
+    int segments(const std::function<double(int key)>& tolerance) const;
+    /// Returns a box, in world axes, that holds the cage at a key of the scene's shutter.
+    Box3d world_box_at(int key) const;
     /// Returns a lower bound, seen from the eye, on the distance across the line of sight that each point of the cage moves
     /// per shutter, at each moment of the shutter. It is 0 if some point may stand still or nothing is known.
     double least_distance_across(Vec3d eye) const;
     /// Makes the cage at the keys of a motion of so many segments. All keys are copies of `still`, in the same dicing frame.
     PosedCage& make_keys(const PosedCage& still, int segments, const PosingTools& tools) const;
+    /// Returns the segments of the scene's shutter in groups in which a cage that moves in so many segments has about the
+    /// same size, as masks; fewer than two if it has it in the whole shutter. See growth.h.
+    std::vector<std::uint32_t> segments_by_size(int segments) const;
+    /// Does what make_keys() does, for some segments of the scene's shutter alone and in a dicing frame for these.
+    /// shown   one of segments_by_size(segments)
+    PosedCage& make_keys_in(const PosedCage& still, std::uint32_t shown, int segments, const PosingTools& tools) const;
 
 private:
     /// Returns whether every moment's cage is an affine image of every other's. Skins and morph targets move vertices
@@ -53,7 +67,17 @@ private:
     bool moves_by_nodes_alone() const noexcept { return moves_maps_ && !is_skinned_ && changes_ == 1; }
     /// Returns the pose of which all others are affine images, made of the largest one of the keys; null if rays cannot be
     /// taken to it at all times. Call it if moves_by_nodes_alone().
-    const PosedCage* make_still_pose(std::span<const PosedCage> keys, const PosingTools& tools) const;
+    const PosedCage* make_still_pose(std::span<const PosedCage> keys, std::uint32_t shown, const PosingTools& tools) const;
+    /// Poses the cage at the keys of a motion of so many segments. Keys that are no end of a segment in `shown` are the same
+    /// as one that is.
+    std::span<PosedCage> pose_keys(const PosedCage& still, int segments, const Box3d& frame, std::uint32_t shown,
+                                   const PosingTools& tools) const;
+    /// Sets what the poses at all keys share, and returns the first.
+    /// radii   of the cage at each of the keys
+    PosedCage& finish_keys(std::span<PosedCage> keys, std::span<const double> radii, std::uint32_t shown,
+                           const PosingTools& tools) const;
+    /// Returns the last key of the scene's shutter, up to this one, that is an end of a segment in `shown`; else the first.
+    int shown_key(int key, std::uint32_t shown) const noexcept;
     const Mat4d& world(int key) const noexcept { return world_[world_.size() > 1 ? std::size_t(key) : 0]; }
     CagePose pose(int key) const noexcept { return {slot_, node_, skin_, key}; }
     /// Returns vectors by which points move from a key to the next one, such that each point of the cage moves by a mean of

@@ -6,44 +6,95 @@
 
 namespace occam::lod {
 
-PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools)
+namespace {
+
+/// Returns a cage that knows what it shows, but not where it is.
+PosedCage& named_cage(const CagePlacement& placement, const PosingTools& tools)
 {
-    const auto& [slot, node, node_id, skin, matrices, shutter_segments, seen_by, lit_by, visible_in, path,
-                 instance] = placement;
     PosedCage& cage = *tools.arena.make<PosedCage>();
-    cage.slot = &slot;
+    cage.slot = &placement.slot;
     cage.topology = tools.tables.topology.get();
     cage.clusters = tools.tables.clusters.get();
-    cage.node = &node;
-    cage.node_id = node_id;
-    cage.instance = instance;
-    cage.cage_id = slot.id;
-    cage.seen_by = seen_by;
-    cage.lit_by = lit_by;
-    cage.visible_in = visible_in;
-    cage.path = path;
-    const bool chooses_level = cage.topology && levels.mode == LevelMode::PerInstance;
-    const CageMotion motion(slot, node, skin, matrices, shutter_segments);
-    if (motion.moves()) {
-        // Boxes of nodes that stand still hold only what moves in them at keys where it is visible.
-        const int segments = visible_in == PosedCage::kAllSegments
-                                 ? motion.segments(motion_tolerance(levels, motion.world_box()))
-                                 : shutter_segments;
-        if (cage.topology) cage.least_level = level_of_motion(levels, motion);
-        PosedCage& first = motion.make_keys(cage, segments, tools);
-        if (chooses_level) {
-            first.level = kCoarsestLevel;
-            for (int k = 0; k <= segments; ++k) first.level = std::min(first.level, choose_level(levels, first.keys[k]));
-        }
-        return first;
-    }
-    cage.place(matrices.front(), cage_bounds(node, slot, skin));
+    cage.node = &placement.node;
+    cage.node_id = placement.node_id;
+    cage.instance = placement.instance;
+    cage.cage_id = placement.slot.id;
+    cage.seen_by = placement.seen_by;
+    cage.lit_by = placement.lit_by;
+    cage.visible_in = placement.visible_in;
+    cage.path = placement.path;
+    return cage;
+}
+
+bool chooses_level(const PosedCage& cage, const LevelSettings& levels) noexcept
+{
+    return cage.topology && levels.mode == LevelMode::PerInstance;
+}
+
+PosedCage& with_level(PosedCage& first, const LevelSettings& levels)
+{
+    if (!chooses_level(first, levels)) return first;
+    first.level = kCoarsestLevel;
+    for (int k = 0; k <= first.segments; ++k) first.level = std::min(first.level, choose_level(levels, first.keys[k]));
+    return first;
+}
+
+/// Poses a cage that moves, for all times of the shutter.
+PosedCage& pose_moving(const CageMotion& motion, const PosedCage& cage, const CagePlacement& placement,
+                       const LevelSettings& levels, const PosingTools& tools)
+{
+    // Boxes of nodes that stand still hold only what moves in them at keys where it is visible.
+    const int segments = placement.visible_in == PosedCage::kAllSegments
+                             ? motion.segments(motion_tolerance(levels, motion.world_box()))
+                             : placement.segments;
+    return with_level(motion.make_keys(cage, segments, tools), levels);
+}
+
+PosedCage& pose_still(PosedCage& cage, const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools)
+{
+    cage.place(placement.world_from_node.front(), cage_bounds(placement.node, placement.slot, placement.skin));
     if (tools.tables.deformed_clusters)
-        cage.deform(*tools.tables.deformed_clusters, {slot, node, skin}, tools.arena, tools.counters);
+        cage.deform(*tools.tables.deformed_clusters, {placement.slot, placement.node, placement.skin}, tools.arena,
+                    tools.counters);
     if (tools.textures) cage.displace(*tools.textures);
     cage.derive(tools.arena);
-    if (chooses_level) cage.level = choose_level(levels, cage);
+    if (chooses_level(cage, levels)) cage.level = choose_level(levels, cage);
     return cage;
+}
+
+CageMotion motion_of(const CagePlacement& placement)
+{
+    return {placement.slot, placement.node, placement.skin, placement.world_from_node, placement.segments};
+}
+
+}  // namespace
+
+PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools)
+{
+    PosedCage& cage = named_cage(placement, tools);
+    const CageMotion motion = motion_of(placement);
+    if (!motion.moves()) return pose_still(cage, placement, levels, tools);
+    if (cage.topology) cage.least_level = level_of_motion(levels, motion);
+    return pose_moving(motion, cage, placement, levels, tools);
+}
+
+void for_each_size(const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools,
+                   const std::function<void(const PosedCage&)>& visit)
+{
+    PosedCage& cage = named_cage(placement, tools);
+    const CageMotion motion = motion_of(placement);
+    if (!motion.moves()) return visit(pose_still(cage, placement, levels, tools));
+    if (cage.topology) cage.least_level = level_of_motion(levels, motion);
+    if (motion.segments_by_size(placement.segments).size() < 2)
+        return visit(pose_moving(motion, cage, placement, levels, tools));
+    // Where the cage is small, its path is followed as closely as its size there asks for.
+    const int segments = placement.visible_in == PosedCage::kAllSegments
+                             ? motion.segments([&](int key) { return motion_tolerance(levels, motion.world_box_at(key)); })
+                             : placement.segments;
+    const std::vector<std::uint32_t> groups = motion.segments_by_size(segments);
+    if (groups.size() < 2) return visit(with_level(motion.make_keys(cage, segments, tools), levels));
+    for (const std::uint32_t shown : groups)
+        if (shown & placement.visible_in) visit(with_level(motion.make_keys_in(cage, shown, segments, tools), levels));
 }
 
 }  // namespace occam::lod

@@ -5,6 +5,8 @@
 // Errors   none: a skin or a displacement that the cage does not have is left out.
 #pragma once
 
+#include <functional>
+
 #include "lod/cage_motion.h"
 
 namespace occam::lod {
@@ -27,5 +29,10 @@ struct CagePlacement {
 /// Poses the cage. With LevelMode::PerInstance, a cage that is subdivided gets the level that its rays see, which is the
 /// finest that it needs at any key.
 PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools);
+
+/// Poses the cage as rays see it, and calls visit(posed): once, unless the cage is much larger in some segments of the
+/// shutter than in others. Then it is posed for each size, and each pose is visible in the segments of that size alone.
+void for_each_size(const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools,
+                   const std::function<void(const PosedCage&)>& visit);
 
 }  // namespace occam::lod

@@ -7,6 +7,7 @@
 
 #include "tests/support/campaign.h"
 #include "tests/support/command_test.h"
+#include "tests/support/refined_cages.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
@@ -68,6 +69,39 @@ TEST(HostileMotion, CagesAreLeftOutOfSegmentsInWhichTheyAreTiny)
             EXPECT_EQ(seen({0.1, 0.2, 8}, 0.5f), grows) << size << ": where the segment begins in which it grows";
             EXPECT_EQ(seen({4.1, 0.2, 8}, 0.25f), still) << size;
         }
+}
+
+// Returns a ball of 6 * 4^levels quads around the origin.
+Cage ball(int levels)
+{
+    Cage cage = creased_cube(0);
+    for (int i = 0; i < levels; ++i) cage = refined(cage, true);
+    return cage;
+}
+
+// Makes a picture from within or from outside of a cage that has its own size in the first half of the shutter and grows to
+// another one in the second half.
+void expect_picture_of_growth(const Cage& cage, Vec3d to, int segments, Vec3d eye)
+{
+    Scene scene;
+    const NodeId grows = place(scene, scene.add(cage), Vec3d(0));
+    scene.record_shutter(segments, [&](double tau) {
+        scene.set_transform(grows, {.scale = glm::mix(Vec3d(1), to, std::max(0.0, 2 * tau - 1))});
+    });
+    Renderer renderer({.threads = 1, .memory_bytes = std::size_t(64) << 20});
+    renderer.render(scene, Camera::look_at(eye, {0, 0, -9}, {0, 1, 0}, 0.8f), {.width = 24, .height = 16, .spp = 1});
+    EXPECT_LT(renderer.stats().built.micropolygons, 5'000'000u) << to.x << ", " << to.y << ", " << segments << ", " << eye.z;
+}
+
+// In the half in which it is small such a cage had the micropolygons of its largest size, or each ray met all of them: the
+// pictures took a minute, or were refused after gigabytes.
+TEST(HostileMotion, CagesThatGrowMuchAreNoMoreWorkThanOthers)
+{
+    const Cage cage = ball(3);
+    for (const Vec3d to : {Vec3d(1e3), Vec3d(1e5), Vec3d(1e7), Vec3d(1e20), Vec3d(1, 1e7, 1)})
+        for (const int segments : {2, 8})
+            for (const double eye : {0.1, 4.0}) expect_picture_of_growth(cage, to, segments, {0, 0, eye});
+    expect_picture_of_growth(cage, Vec3d(1e7), 32, {0, 0, 4});
 }
 
 TEST_F(HostileShutter, OptionsThatAreNoShuttersAreRefusedInOneLine)
