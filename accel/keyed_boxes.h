@@ -160,25 +160,29 @@ public:
     /// Clips [t_near, t_far] to a box of the group at each ray's own time.
     void clip_to(const TreeRay<F>& ray, int box, F& t_near, F& t_far) const noexcept
     {
-        const float* here = key(from_.key) + box;
-        if (from_.key != to_.key) {
-            // The rays see different segments, so they take the box of all of them.
-            Box3f all;
-            for (int k = from_.key; k <= to_.key + 1; ++k) all.add(get_box(key(k) + box, 0, row()));
-            clip(ray, all, t_near, t_far);
-            return;
-        }
-        const float* next = here + stride_;
-        const F share = min(max((times_.time - F(keys_.begin)) * F(keys_.per_time), F(0.0f)), F(float(keys_.segments))) -
-                        F(float(from_.key));
+        const F at = min(max((times_.time - F(keys_.begin)) * F(keys_.per_time), F(0.0f)), F(float(keys_.segments)));
         F planes[6];
-        for (int p = 0; p < 6; ++p) planes[p] = lod::between_keys(share, F(here[p * row()]), F(next[p * row()]));
+        interpolate(from_.key, box, at, planes);
+        // Rays that see other segments take the box of theirs.
+        for (int k = from_.key + 1; k <= to_.key; ++k) {
+            const MaskOf<F> is_later = at >= F(float(k));
+            F later[6];
+            interpolate(k, box, at, later);
+            for (int p = 0; p < 6; ++p) planes[p] = select(is_later, later[p], planes[p]);
+        }
         clip_to_planes(ray, planes, t_near, t_far);
     }
 
 private:
     static constexpr bool kIsOne = std::is_same_v<F, float>;
 
+    /// Returns a box between two keys, where each ray is `at` keys from the first one.
+    OCCAM_ALWAYS_INLINE void interpolate(int k, int box, F at, F (&planes)[6]) const noexcept
+    {
+        const float *here = key(k) + box, *next = here + stride_;
+        const F share = at - F(float(k));
+        for (int p = 0; p < 6; ++p) planes[p] = lod::between_keys(share, F(here[p * row()]), F(next[p * row()]));
+    }
     const float* key(int k) const noexcept { return boxes_ + static_cast<std::size_t>(k) * stride_; }
     /// Returns the number of floats in a row.
     int row() const noexcept { return kIsLeaf ? keys_.row : kBoxGroup; }

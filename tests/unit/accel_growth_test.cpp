@@ -167,5 +167,39 @@ TEST(MovingTracer, DicesNothingThatIsHiddenAtTheTimesOfRays)
         }
 }
 
+// Rays that travel together may be in different segments of the shutter. Each is tested against boxes at its own time, so a
+// straight path that is recorded in many segments needs no more igrids than in one.
+TEST(MovingTracer, DicesNoMoreWhereRaysOfAPacketAreInDifferentSegments)
+{
+    const auto micropolygons = [](int segments) {
+        Scene scene;
+        const CageId ring = scene.add(torus(12, 8));
+        const NodeId group = scene.add_node(scene.root(), {});
+        for (int i = 0; i < 60; ++i) scene.add_node(group, {.place = {.translation = {4 * i, 0, 0}}, .cages = {ring}});
+        scene.record_shutter(segments, [&](double tau) {
+            scene.set_transform(group, Trs{.translation = {-200 * tau, 0, 0}});
+        });
+        scene.refit();
+        lod::TopologyCache topologies;
+        const accel::Frame frame(scene, topologies, {.pixel = {0.1f, 0}, .mode = lod::LevelMode::PerRay},
+                                 {.tree = accel::TreeKind::Bvh});
+        std::vector<accel::Ray> rays;
+        for (int i = 0; i < 64; ++i) {
+            accel::Ray& ray = rays.emplace_back();
+            ray.origin = {0.9 + 0.001 * i, 5, 0.1};
+            ray.direction = {0, -1, 0};
+            ray.footprint = {0.1f, 0};
+            ray.time = static_cast<float>(0.02 * (i % 50));
+        }
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        accel::Tracer tracer(frame, kMemoryOfGrowth);
+        tracer.closest(rays, hits);
+        return tracer.counters().micropolygons;
+    };
+    const std::uint64_t in_one = micropolygons(1);
+    EXPECT_GT(in_one, 0u);
+    for (const int segments : {4, 32}) EXPECT_LE(micropolygons(segments), in_one + in_one / 10) << segments;
+}
+
 }  // namespace
 }  // namespace occam::test
