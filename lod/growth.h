@@ -23,10 +23,9 @@ inline constexpr double kMostGrowth = 4096;
 /// By how many levels the finest level is coarser then; with a factor that is half as large, it is one less. The product of
 /// the factor and the number of edges along a radius is 2^19 at most.
 inline constexpr int kMostCoarsened = 9;
-/// A cage whose sizes in two segments of the shutter differ by more than this factor is posed once for each size.
+/// A cage whose sizes in two segments of the shutter differ by more than this factor is posed once for each size, in powers
+/// of two.
 inline constexpr double kMostAlike = 16;
-/// Sizes that are less than 2^kStepExponent from each other count as one then.
-inline constexpr int kStepExponent = 1;
 /// A cage is left out of the segments of the shutter in which its radius stays below this share of its largest one. With the
 /// padding of boxes, 4 ulps, a ray meets about a sixteenth of the surface there.
 inline constexpr double kLeastShown = 0x1p-17;
@@ -48,15 +47,22 @@ inline int coarsened_by_growth(std::span<const double> radii) noexcept
     return levels;
 }
 
-/// Returns a bit for each segment of the shutter in which a cage is smaller than kLeastShown at both ends.
+/// Returns a bit for each segment of the shutter that is a part of a cage's own segment k.
 /// step   how many segments of the shutter each of the cage's own has
+inline std::uint32_t segments_within(std::size_t k, int step) noexcept
+{
+    const int first = static_cast<int>(k) * step;
+    return (~0u >> (32 - step)) << first;
+}
+
+/// Returns a bit for each segment of the shutter in which a cage is smaller than kLeastShown at both ends.
+/// radii, step   as above
 inline std::uint32_t segments_of_tiny(std::span<const double> radii, int step) noexcept
 {
     const double least = kLeastShown * *std::max_element(radii.begin(), radii.end());
     std::uint32_t tiny = 0;
     for (std::size_t k = 0; k + 1 < radii.size(); ++k)
-        if (std::max(radii[k], radii[k + 1]) < least)
-            for (int i = 0; i < step; ++i) tiny |= 1u << (static_cast<int>(k) * step + i);
+        if (std::max(radii[k], radii[k + 1]) < least) tiny |= segments_within(k, step);
     return tiny;
 }
 
@@ -73,9 +79,9 @@ inline std::vector<std::uint32_t> segments_by_size(std::span<const double> radii
     std::vector<std::uint32_t> groups;
     for (std::size_t k = 0; k + 1 < radii.size(); ++k) {
         if (size(k) < kLeastShown * most) continue;
-        const auto group = static_cast<std::size_t>(std::ilogb(most / size(k)) / kStepExponent);
+        const auto group = static_cast<std::size_t>(std::ilogb(most / size(k)));
         if (group >= groups.size()) groups.resize(group + 1);
-        for (int i = 0; i < step; ++i) groups[group] |= 1u << (static_cast<int>(k) * step + i);
+        groups[group] |= segments_within(k, step);
     }
     std::erase(groups, 0u);
     return groups;

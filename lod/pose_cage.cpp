@@ -8,8 +8,9 @@ namespace occam::lod {
 
 namespace {
 
-/// Returns a cage that knows what it shows, but not where it is.
-PosedCage& named_cage(const CagePlacement& placement, const PosingTools& tools)
+/// Returns a cage that knows what it shows and how fast it moves, but not where it is.
+PosedCage& named_cage(const CagePlacement& placement, const CageMotion& motion, const LevelSettings& levels,
+                      const PosingTools& tools)
 {
     PosedCage& cage = *tools.arena.make<PosedCage>();
     cage.slot = &placement.slot;
@@ -23,6 +24,7 @@ PosedCage& named_cage(const CagePlacement& placement, const PosingTools& tools)
     cage.lit_by = placement.lit_by;
     cage.visible_in = placement.visible_in;
     cage.path = placement.path;
+    if (motion.moves() && cage.topology) cage.least_level = level_of_motion(levels, motion);
     return cage;
 }
 
@@ -71,20 +73,18 @@ CageMotion motion_of(const CagePlacement& placement)
 
 PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools)
 {
-    PosedCage& cage = named_cage(placement, tools);
     const CageMotion motion = motion_of(placement);
+    PosedCage& cage = named_cage(placement, motion, levels, tools);
     if (!motion.moves()) return pose_still(cage, placement, levels, tools);
-    if (cage.topology) cage.least_level = level_of_motion(levels, motion);
     return pose_moving(motion, cage, placement, levels, tools);
 }
 
 void for_each_size(const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools,
                    const std::function<void(const PosedCage&)>& visit)
 {
-    PosedCage& cage = named_cage(placement, tools);
     const CageMotion motion = motion_of(placement);
+    PosedCage& cage = named_cage(placement, motion, levels, tools);
     if (!motion.moves()) return visit(pose_still(cage, placement, levels, tools));
-    if (cage.topology) cage.least_level = level_of_motion(levels, motion);
     if (motion.segments_by_size(placement.segments).size() < 2)
         return visit(pose_moving(motion, cage, placement, levels, tools));
     // Where the cage is small, its path is followed as closely as its size there asks for.

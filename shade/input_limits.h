@@ -35,8 +35,9 @@ inline Vec3f limited(Vec3f c) noexcept
 /// kMaxRadiance, alone or times their brightest texel, base colours above 1 of materials that reflect, and what else is
 /// beyond scenegraph/material_limits.h. Another line counts the lights that are left out because they are too far away
 /// (WorldLight::is_in_reach), and one the nodes that reach beyond kMaxCoordinate while the shutter is open. The scene must
-/// be refitted. textures  of the scene; those that no lookup has asked for, or that are read in tiles, count as black scale
-/// that of the frame, in whose unit the intensities of point lights are limited
+/// be refitted.
+/// textures   those of the scene; one that no lookup has asked for, or that is read in tiles, counts as black
+/// scale      that of the frame, in whose unit the intensities of point lights are limited
 std::vector<std::string> input_warnings(const Scene& scene, const TextureStore& textures, float sky_strength,
                                         const FrameScale& scale);
 

@@ -196,8 +196,10 @@ struct FirstHit {
 ///
 /// Surfaces are diced as for the camera's picture with a shading rate of 1 and a level for each ray: a ray hits what that
 /// picture shows, unless it has a footprint of its own. It passes the holes of alpha masks. It hits what is transparent in
-/// other ways, and the backs of single-sided surfaces. A query can be used for many frames: end() lets the application edit
-/// the scene, begin() continues with the edited scene, and everything that no vertex position can change is kept in between.
+/// other ways, and the backs of single-sided surfaces.
+///
+/// A query can be used for many frames: end() lets the application edit the scene, begin() continues with the edited scene,
+/// and everything that no vertex position can change is kept in between.
 ///
 /// Memory   at most `memory_bytes` for each thread that asks at the same time.
 /// Threads  any number of threads may call the const functions at once; begin() and end() need to be called alone.
