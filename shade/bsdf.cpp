@@ -68,21 +68,15 @@ LayerOf<float> layer_of(const Surface& s, AlbedoTable::Row row) noexcept
     LayerOf<float> of;
     of.f0 = s.dielectric_f0;
     of.f90 = s.dielectric_f90;
-    const LayerAlbedo all = has_strokes(s) ? StrokeAlbedo::instance().mean({s.alpha_along, s.alpha_across}, s.alpha)
-                                           : AlbedoTable::instance().mean(row);
-    complete(of, mix_of(s), all);
+    complete(of, mix_of(s), AlbedoTable::instance().mean(row));
     return of;
 }
 
-// Returns the albedo of a layer that reflects all light, for a direction and its cosine to the normal.
-LayerAlbedo albedo(const SurfaceForEye& of, Vec3f direction, float cosine) noexcept
+LayerAlbedo albedo_of_eye(const Surface& s, float n_v, AlbedoTable::Row row) noexcept
 {
-    const Surface& s = of.surface;
-    if (!has_strokes(s)) return AlbedoTable::instance().at(cosine, of.row);
+    if (!has_strokes(s)) return AlbedoTable::instance().at(n_v, row);
     const Strokes strokes(s);
-    Vec3f local = strokes.local(direction);
-    local.z = cosine;
-    return StrokeAlbedo::instance().at(local, strokes.widths, s.alpha);
+    return stroke_albedo(strokes.local_eye(s.to_eye), strokes.widths);
 }
 
 // Returns the multiple scattering through a rough pane: what is neither reflected nor transmitted by single scattering.
@@ -125,13 +119,12 @@ LobeShares shares_of(const SurfaceForEye& of, float n_v, float coat_reflects) no
     }
     if (below > 0) add_opaque(of, below, to);
     if (s.sheen != Vec3f(0)) {
-        const float kept = below_sheen(s, n_v);
-        for (float* share : {&to.diffuse, &to.layer, &to.pane, &to.pane_diffuse, &to.body}) *share *= kept;
-        to.diffuse += (1 - to.coat) * luminance(s.sheen) * sheen_albedo(n_v, s.sheen_alpha);
+        for (float* share : {&to.diffuse, &to.layer, &to.pane, &to.pane_diffuse, &to.body}) *share *= of.sheen.below;
+        to.sheen = (1 - to.coat) * luminance(s.sheen) * of.sheen.reflects;
     }
-    const float sum = to.diffuse + to.layer + to.coat + to.pane + to.pane_diffuse + to.body;
+    const float sum = to.diffuse + to.layer + to.coat + to.pane + to.pane_diffuse + to.body + to.sheen;
     if (!(sum > 0)) return {};
-    for (float* share : {&to.diffuse, &to.layer, &to.coat, &to.pane, &to.pane_diffuse, &to.body}) *share /= sum;
+    for (float* share : {&to.diffuse, &to.layer, &to.coat, &to.pane, &to.pane_diffuse, &to.body, &to.sheen}) *share /= sum;
     return to;
 }
 
@@ -149,7 +142,7 @@ float lobe_terminator(Vec3f facet, Vec3f normal, float n_l, Vec3f to_light) noex
 Vec3f reflected(const SurfaceForEye& of, Vec3f to_light, const Angles& a, float lobe) noexcept
 {
     const Surface& s = of.surface;
-    const LayerAlbedo light = albedo(of, to_light, a.n_l);
+    const LayerAlbedo light = AlbedoTable::instance().at(a.n_l, of.row);
     const Vec3f mirror = reflectance(s.f0, s.f90, schlick(a.v_h)) * lobe + multiple_lobe(of.layer, of.eye, light);
     const Vec3f base = s.diffuse * (into_base(of.layer, of.eye, light) / kPi);
     return mirror * (a.n_l * lobe_terminator(s.normal_geometric, s.normal, a.n_l, to_light)) +
@@ -175,7 +168,7 @@ Vec3f through_rough_pane(const SurfaceForEye& of, Vec3f to_light) noexcept
     for_directions_of_pane(s, to_light, [&](Vec3f direction) {
         const float n_l = -glm::dot(s.normal, direction);
         if (!(n_l > 0)) return;
-        const LayerAlbedo light = albedo(of, direction, n_l);
+        const LayerAlbedo light = AlbedoTable::instance().at(n_l, of.row);
         f += pane_transmission(s, direction) + s.transmission * (multiple_through(of.layer, of.eye, light) * n_l);
     });
     return f;
@@ -209,14 +202,15 @@ void SurfaceForEye::set() noexcept
 {
     const Surface& s = surface;
     const float n_v = eye_cosine(s.normal, s.to_eye);
-    row = AlbedoTable::row_of(s.alpha);
+    row = AlbedoTable::row_of(has_strokes(s) ? s.alpha_along : s.alpha);
     layer = layer_of(s, row);
-    eye = albedo(*this, s.to_eye, n_v);
+    eye = albedo_of_eye(s, n_v, row);
     masking = ggx_masking_over_cosine(n_v, s.alpha);
     root = ggx_root(n_v, s.alpha);
     is_plain = !s.is_solid && !has_strokes(s) && !(s.coat > 0) && s.sheen == Vec3f(0) && s.transmission == Vec3f(0);
     const float coat_reflects = s.coat > 0 ? s.coat * coat_albedo(eye_cosine(s.coat_normal, s.to_eye), s.coat_alpha) : 0;
     below_coat = 1 - coat_reflects;
+    if (s.sheen != Vec3f(0)) sheen = sheen_for_eye(s, n_v);
     shares = shares_of(*this, n_v, coat_reflects);
 }
 
@@ -236,6 +230,7 @@ float scatter_density(const SurfaceForEye& of, Vec3f to_light) noexcept
             density += share.pane_diffuse * std::max(-glm::dot(s.normal, direction), 0.0f) / kPi;
         });
     if (share.body > 0) density += share.body * body_density(s, to_light);
+    if (n_l > 0) density += share.sheen * kHemisphereDensity;
     return density;
 }
 
@@ -247,7 +242,7 @@ Vec3f scatter_of_lobes(const SurfaceForEye& of, Vec3f to_light) noexcept
     if (s.is_solid) f = body_scattering(s, to_light) * s.solid_share;
     if (side > 0 && (!s.is_solid || s.solid_share < 1)) f += reflected(of, to_light) * (s.is_solid ? 1 - s.solid_share : 1);
     else if (side < 0 && !s.is_solid && s.transmission != Vec3f(0)) f = through_rough_pane(of, to_light);
-    if (s.sheen != Vec3f(0)) f = sheened(s, f, to_light);
+    if (s.sheen != Vec3f(0)) f = sheened(s, of.sheen, f, to_light);
     return s.coat > 0 ? coated(of, f, to_light) : f;
 }
 
@@ -298,6 +293,8 @@ ScatterSample sample_scatter(const SurfaceForEye& of, float choice, Vec2f square
     ScatterSample out;
     if (is_chosen(share.diffuse)) {
         out.direction = axes.to_world(cosine_direction(square));
+    } else if (is_chosen(share.sheen)) {
+        out.direction = axes.to_world(hemisphere_direction(square));
     } else if (is_chosen(share.layer)) {
         out.lobe = Lobe::Layer;
         out.alpha = s.alpha;

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "shade/layer.h"
+#include "shade/sheen.h"
 #include "shade/surface.h"
 
 namespace occam::shade {
@@ -37,7 +38,7 @@ inline float terminator(const Surface& s, float n_l, Vec3f to_light) noexcept
 
 /// Holds the probability of sampling each lobe, in proportion to what it sends to this eye.
 struct LobeShares {
-    float diffuse = 1, layer = 0, coat = 0, pane = 0, pane_diffuse = 0, body = 0;
+    float diffuse = 1, layer = 0, coat = 0, pane = 0, pane_diffuse = 0, body = 0, sheen = 0;
 };
 
 /// Holds a surface together with what its lobes are for its eye, whatever the direction of the light: this is computed once
@@ -46,9 +47,12 @@ struct SurfaceForEye {
     const Surface& surface;
     // These are not set for a matte surface, which has no layer.
     LayerOf<float> layer;
+    // What light of other directions does in a layer with strokes is taken from a round layer of its greater width: that
+    // only distributes the light that the eye's albedo says is lost or let through.
     AlbedoTable::Row row;  ///< the layer's place in the table of albedos
     LayerAlbedo eye;       ///< albedo of the layer towards the eye
     float masking, root;   ///< ggx_masking_over_cosine() and ggx_root() of the eye
+    SheenForEye sheen;     ///< what the sheen does with the light, if there is one
     float below_coat = 1;  ///< share of the light that the coat leaves to what is below it
     LobeShares shares;
     bool is_plain = false;  ///< There is no more than a base under a round layer.

@@ -47,4 +47,14 @@ inline Vec3f cosine_direction(Vec2f square) noexcept
     return {d.x, d.y, std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y))};
 }
 
+/// The density of directions that are spread evenly over a hemisphere.
+inline constexpr float kHemisphereDensity = 1 / (2 * kPi);
+
+/// Returns a direction of the upper hemisphere, of even density, in axes whose z is the normal.
+inline Vec3f hemisphere_direction(Vec2f square) noexcept
+{
+    const float z = 1 - square.x, radius = std::sqrt(std::max(0.0f, 1 - z * z)), angle = 2 * kPi * square.y;
+    return {radius * maths::cos(angle), radius * maths::sin(angle), z};
+}
+
 }  // namespace occam::shade

@@ -5,11 +5,14 @@
 
 #include "base/maths.h"
 #include "shade/bsdf.h"
+#include "shade/quadrature.h"
 #include "shade/table_place.h"
 #include "shade/transmission.h"
 
 namespace occam::shade {
 namespace {
+
+constexpr float kLeastRoughness = 0.07f;  // narrower distributions differ only in their noise
 
 // Returns the density of half vectors, a power of the sine of their angle to the normal (Estevez and Kulla 2017, eq. 2).
 float density(float n_h, float alpha) noexcept
@@ -35,45 +38,49 @@ float lambda(float cosine, float alpha) noexcept
                          : maths::exp(2 * shadowing_fit(0.5f, alpha) - shadowing_fit(1 - cosine, alpha));
 }
 
-// Returns f of a white sheen; both cosines are above zero.
-float lobe(float n_l, float n_v, float n_h, float alpha) noexcept
+// Returns f of a white sheen times the light's cosine.
+// light, eye   lambda() of both
+// n_v          cosine of the eye; it is above zero
+float lobe(float light, float eye, float n_v, float n_h, float alpha) noexcept
 {
-    return density(n_h, alpha) / ((1 + lambda(n_l, alpha) + lambda(n_v, alpha)) * 4 * n_l * n_v);
+    return density(n_h, alpha) / ((1 + light + eye) * 4 * n_v);
 }
 
-// Integrates the albedo over cells of the light's cosine and of its angle around the normal, each by its middle. Half a turn
-// suffices, because the other half is its mirror image.
-float integrate(float cosine, float alpha) noexcept
-{
-    constexpr int kCosines = 32, kAngles = 24;
-    const Vec3f eye(std::sqrt(1 - cosine * cosine), 0, cosine);
-    double sum = 0;
-    for (int i = 0; i < kCosines; ++i)
-        for (int j = 0; j < kAngles; ++j) {
-            const float n_l = (static_cast<float>(i) + 0.5f) / kCosines, sine = std::sqrt(1 - n_l * n_l);
-            const float angle = (static_cast<float>(j) + 0.5f) / kAngles * kPi;
-            const Vec3f light(sine * maths::cos(angle), sine * maths::sin(angle), n_l);
-            sum += double(lobe(n_l, cosine, glm::normalize(eye + light).z, alpha) * n_l);
-        }
-    return std::min(1.0f, static_cast<float>(sum * (2 * double(kPi) / (kCosines * kAngles))));
-}
+// The eye counts as no lower than this cosine, since the lobe grows without bound towards the horizon.
+constexpr float kLeastCosine = 0.002f;
 
+float lambda_of_eye(float cosine, float alpha) noexcept { return lambda(std::max(cosine, kLeastCosine), alpha); }
+
+// Tabulates the albedo of a white sheen for each cosine of the eye and width. The nodes are even in the cube root of the
+// cosine, since the albedo changes fastest at grazing angles, and in the logarithm of the width.
 class SheenTable {
 public:
-    static constexpr int kCosines = 32, kWidths = 24;  ///< nodes, even in the cosine and in the root of the width
+    static constexpr int kCosines = 96, kWidths = 64;
+    static constexpr float kLeastWidth = kLeastRoughness * kLeastRoughness;
 
     SheenTable()
     {
-        for (int w = 0; w < kWidths; ++w)
+        const auto cosines = gauss_legendre<12>();
+        for (int w = 0; w < kWidths; ++w) {
+            const float alpha = maths::pow(kLeastWidth, 1 - static_cast<float>(w) / (kWidths - 1));
+            std::array<float, cosines.size()> lambdas;
+            for (std::size_t i = 0; i < cosines.size(); ++i) lambdas[i] = lambda(light_cosine(cosines[i]), alpha);
             for (int c = 0; c < kCosines; ++c) {
-                const float root = static_cast<float>(w) / (kWidths - 1);
-                const float cosine = std::clamp(static_cast<float>(c) / (kCosines - 1), 0.01f, 1.0f);
-                rows_[std::size_t(w)][std::size_t(c)] = integrate(cosine, sheen_width(root));
+                const float root = static_cast<float>(c) / (kCosines - 1);
+                const float n_v = std::max(1e-4f, root * root * root);
+                double sum = 0;
+                for (std::size_t i = 0; i < cosines.size(); ++i)
+                    sum += 3 * cosines[i].x * cosines[i].x * cosines[i].weight *
+                           around_normal(n_v, light_cosine(cosines[i]), lambdas[i], alpha);
+                rows_[std::size_t(w)][std::size_t(c)] = static_cast<float>(sum);
             }
+        }
     }
     float at(float cosine, float alpha) const noexcept
     {
-        const TablePlace row = table_place(std::sqrt(alpha), kWidths), column = table_place(cosine, kCosines);
+        static const float kRange = -1 / maths::log2(kLeastWidth);
+        const TablePlace row = table_place(1 + maths::log2(alpha) * kRange, kWidths),
+                         column = table_place(maths::pow(std::max(cosine, 0.0f), 1.0f / 3), kCosines);
         const auto in_row = [&](int r) {
             const auto& values = rows_[std::size_t(r)];
             const float a = values[std::size_t(column.below)], b = values[std::size_t(column.below) + 1];
@@ -84,6 +91,25 @@ public:
     }
 
 private:
+    // The integral over the light's cosine is taken over its cube root.
+    static float light_cosine(QuadratureNode node) noexcept { return static_cast<float>(node.x * node.x * node.x); }
+
+    // Integrates the lobe over the light's angle around the normal. Half a turn suffices, because the other half is its
+    // mirror image, and the middles of even cells integrate a smooth periodic function to many digits.
+    static double around_normal(float n_v, float n_l, float lambda_of_light, float alpha) noexcept
+    {
+        constexpr int kAngles = 10;
+        const Vec3f eye(std::sqrt(1 - n_v * n_v), 0, n_v);
+        const float sine = std::sqrt(1 - n_l * n_l), of_eye = lambda_of_eye(n_v, alpha);
+        double sum = 0;
+        for (int j = 0; j < kAngles; ++j) {
+            const float angle = (static_cast<float>(j) + 0.5f) / kAngles * kPi;
+            const Vec3f light(sine * maths::cos(angle), sine * maths::sin(angle), n_l);
+            sum += double(lobe(lambda_of_light, of_eye, std::max(n_v, kLeastCosine), glm::normalize(eye + light).z, alpha));
+        }
+        return sum * (2 * double(kPi) / kAngles);
+    }
+
     std::array<std::array<float, kCosines>, kWidths> rows_;
 };
 
@@ -93,31 +119,28 @@ float strongest(Vec3f c) noexcept { return std::max({c.x, c.y, c.z}); }
 
 float sheen_width(float roughness) noexcept
 {
-    constexpr float kLeast = 0.07f;  // narrower distributions differ only in their noise
-    const float r = std::clamp(roughness, kLeast, 1.0f);
+    const float r = std::clamp(roughness, kLeastRoughness, 1.0f);
     return r * r;
 }
 
-float sheen_albedo(float cosine, float alpha) noexcept
+SheenForEye sheen_for_eye(const Surface& s, float cosine) noexcept
 {
     static const SheenTable table;
-    return table.at(cosine, alpha);
+    const float albedo = table.at(cosine, s.sheen_alpha), reflects = std::min(albedo, 1.0f);
+    return {reflects, albedo > 1 ? 1 / albedo : 1.0f, std::max(0.0f, 1 - strongest(s.sheen) * reflects)};
 }
 
-float below_sheen(const Surface& s, float cosine) noexcept
+Vec3f sheened(const Surface& s, const SheenForEye& eye, Vec3f below, Vec3f to_light) noexcept
 {
-    return std::max(0.0f, 1 - strongest(s.sheen) * sheen_albedo(cosine, s.sheen_alpha));
-}
-
-Vec3f sheened(const Surface& s, Vec3f below, Vec3f to_light) noexcept
-{
+    below *= eye.below;
     const float n_l = glm::dot(s.normal, to_light), n_v = eye_cosine(s.normal, s.to_eye);
-    below *= std::min(below_sheen(s, n_v), below_sheen(s, std::min(std::fabs(n_l), 1.0f)));
     if (!(n_l > 0) || !(glm::dot(s.normal_geometric, to_light) > 0)) return below;
     const Vec3f half = s.to_eye + to_light;
     const float length = glm::length(half);
     const float n_h = length > 0 ? glm::dot(s.normal, half) / length : 1;
-    return below + s.sheen * (lobe(std::max(n_l, 1e-4f), n_v, n_h, s.sheen_alpha) * n_l * terminator(s, n_l, to_light));
+    const float white = lobe(lambda(std::min(n_l, 1.0f), s.sheen_alpha), lambda_of_eye(n_v, s.sheen_alpha),
+                             std::max(n_v, kLeastCosine), n_h, s.sheen_alpha);
+    return below + s.sheen * (eye.scale * white * terminator(s, n_l, to_light));
 }
 
 }  // namespace occam::shade

@@ -209,7 +209,7 @@ void add_sheen(const MaterialValues& values, Surface& s) noexcept
     s.sheen = glm::clamp(values.sheen_color, 0.0f, 1.0f);
     if (s.sheen == Vec3f(0)) return;
     s.sheen_alpha = sheen_width(values.sheen_roughness);
-    const float kept = below_sheen(s, std::max(0.0f, glm::dot(s.normal, s.to_eye)));
+    const float kept = sheen_for_eye(s, std::max(0.0f, glm::dot(s.normal, s.to_eye))).below;
     s.transmittance = Vec3f(1 - s.opacity) + (s.transmittance - Vec3f(1 - s.opacity)) * kept;
 }
 

@@ -19,7 +19,7 @@ constexpr auto kExtensions = std::to_array<Extension>({
     {"KHR_materials_emissive_strength", "all"},
     {"KHR_materials_ior", "all"},
     {"KHR_materials_pbrSpecularGlossiness", "used instead of metallic-roughness where a material has both"},
-    {"KHR_materials_sheen", "the Charlie lobe of Estevez and Kulla 2017 over the rest, which gets what the sheen leaves"},
+    {"KHR_materials_sheen", "the Charlie lobe of Estevez and Kulla 2017 over the rest, which gets what the sheen does not reflect to the eye"},
     {"KHR_materials_specular", "all"},
     {"KHR_materials_transmission", "thin panes, and bodies with `KHR_materials_volume`"},
     {"KHR_materials_unlit", "the base colour is the radiance"},

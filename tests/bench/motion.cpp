@@ -3,7 +3,7 @@
 // 16 x 16 tori stand side by side. *small*: each moves by a tenth of its size while the shutter is open, its own way.
 // *wheels*: each turns by a quarter, in four segments. *together*: all move by twenty sizes the same way. *apart*: each
 // flies four sizes, its own way; *chaos*: twenty sizes. Camera rays have random times; diffuse rays start at their hits and
-// inherit them. Where things fly far, the kd-tree is measured with a part of the rays, since each takes long.
+// inherit them. Where things fly far, the kd-tree is measured with a part of the batches, since each ray takes long.
 //
 // *Table 4* is after that of Hou et al. 2010: what building and tracing take where boxes are interpolated at each ray's
 // time, and where they hold all times. In *large motion* and *mild motion* the tori fly four sizes, or a tenth of their
@@ -67,6 +67,15 @@ void record(Scene& scene, const Motion& motion)
     });
 }
 
+// Returns the rays of one of so many batches, from all over the picture.
+std::vector<accel::Ray> some_batches(const std::vector<accel::Ray>& rays, std::size_t part)
+{
+    std::vector<accel::Ray> some;
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        if (i / kBatch % part == part / 2) some.push_back(rays[i]);
+    return some;
+}
+
 void add_rows(Report& report, const Motion& motion)
 {
     Scene scene;
@@ -83,11 +92,8 @@ void add_rows(Report& report, const Motion& motion)
     lod::TopologyCache topologies;
     TreePair trees(scene, topologies, camera.levels(1), kMemoryBytes);
     std::vector<accel::SurfaceHit> hits(rays.size());
-    const auto kd_rays = [&](const std::vector<accel::Ray>& all) {
-        return std::span(all).first(all.size() / motion.kd_part);
-    };
     const double start = thread_seconds();
-    trace_closest(trees.kd, kd_rays(rays), hits);
+    trace_closest(trees.kd, some_batches(rays, motion.kd_part), hits);
     const double kd_cold = thread_seconds() - start;
     trace_closest(trees.bvh, rays, hits);
     const double bvh_cold = thread_seconds() - start - kd_cold;
@@ -95,12 +101,13 @@ void add_rows(Report& report, const Motion& motion)
     for (const bool is_camera : {true, false}) {
         const std::vector<accel::Ray>& all = is_camera ? rays : diffuse;
         hits.resize(all.size());
+        const std::vector<accel::Ray> some = some_batches(all, motion.kd_part);
         std::vector<double> kd, bvh;
-        trace_closest(trees.kd, kd_rays(all), hits);
+        trace_closest(trees.kd, some, hits);
         trace_closest(trees.bvh, all, hits);
-        const double nano = 1e-9 * double(all.size()), kd_nano = 1e-9 * double(kd_rays(all).size());
+        const double nano = 1e-9 * double(all.size()), kd_nano = 1e-9 * double(some.size());
         for (int run = 0; run < kRuns; ++run) {
-            kd.push_back(repeat(1, [&] { trace_closest(trees.kd, kd_rays(all), hits); }).front() / kd_nano);
+            kd.push_back(repeat(1, [&] { trace_closest(trees.kd, some, hits); }).front() / kd_nano);
             bvh.push_back(repeat(1, [&] { trace_closest(trees.bvh, all, hits); }).front() / nano);
         }
         Row row{"motion", std::string(motion.name) + (is_camera ? ", camera" : ", diffuse")};
@@ -119,10 +126,7 @@ void add_table_row(Report& report, const Motion& motion)
     scene.refit();
     const render::CameraRays camera(Camera::look_at({0, 26, 40}, {0, 0, 0}, {0, 1, 0}, 0.9f), kTableWidth, kTableWidth);
     const std::vector<accel::Ray> rays = rays_of_a_frame(camera, kTableWidth, kTableWidth, kTableSamples);
-    // Every so many batches, as boxes for all times take long.
-    std::vector<accel::Ray> some;
-    for (std::size_t i = 0; i < rays.size(); ++i)
-        if (i / kBatch % motion.kd_part == motion.kd_part / 2) some.push_back(rays[i]);
+    const std::vector<accel::Ray> some = some_batches(rays, motion.kd_part);
     lod::TopologyCache topologies;
     TreePair trees(scene, topologies, camera.levels(1), kMemoryBytes);
     std::vector<accel::SurfaceHit> hits(rays.size());
