@@ -73,9 +73,9 @@ struct NearestSome : HoleQuery {
 
     void offer(int lane, float found, IGrid& on, std::uint32_t number) noexcept
     {
-        if (!(found <= t[lane])) return;
         Hit* list = hits[lane];
         int& n = count[lane];
+        if (!(found < t[lane] || (found == t[lane] && n == wanted))) return;
         int at = n;
         while (at > 0 && goes_before(found, on, number, list[at - 1])) --at;
         // A ray may meet an igrid twice (accel/mailboxes.h), and a triangle in several blocks (accel/spatial_split.h).

@@ -86,7 +86,8 @@ void remove_if_abandoned(const fs::path& temporary) noexcept
 {
     const int descriptor = open(temporary.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (descriptor < 0) return;
-    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) unlink(temporary.c_str());
+    // Its writer may have ended meanwhile, and another one may have made a file of the same name.
+    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0 && is_same_file(descriptor, temporary.c_str())) unlink(temporary.c_str());
     close(descriptor);
 }
 
@@ -138,10 +139,11 @@ OutputFile::OutputFile(const fs::path& file) : final_(file)
         // A process of the same number, on another machine or in another container, may use this name.
         if (descriptor_ < 0 && errno == EEXIST) continue;
         if (descriptor_ < 0) refuse(errno);
-        // On file systems without locks no other process can remove the temporary file either, so a failure does not matter.
-        (void)flock(descriptor_, LOCK_EX | LOCK_NB);
-        // Between the two calls another process that tidies up may have taken the file for abandoned.
-        if (is_same_file(descriptor_, temporary_.c_str())) {
+        // Between the two calls another process that tidies up may have taken the file for abandoned: it has removed the
+        // file, or holds the lock and is about to. On file systems without locks no other process can remove the file, so
+        // that any other failure does not matter.
+        const bool is_taken = flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+        if (!is_taken && is_same_file(descriptor_, temporary_.c_str())) {
             listed_.list(temporary_, descriptor_);
             return;
         }

@@ -120,16 +120,18 @@ void Extent::visit_points(const Scene& scene, const std::function<void(Vec3d)>& 
             visit_corners(node.bounds, world_from_node, visit);
             return false;
         }
+        // What is hidden from the camera hides all that is below it, and its instances.
+        if (!(node.seen_by & RayKind::Camera)) return false;
         const SkinSlot* skin = scene.find(node.skin);
         for (const CageId id : node.cages) {
             const CageSlot* slot = scene.find(id);
-            if (!slot || !(node.seen_by & RayKind::Camera)) continue;
-            s.points += slot->cage.positions.size();
+            if (!slot) continue;
             if (slot->is_on_demand() || slot->cage.is_displaced() || s.points > kMostPoints) {
                 visit_corners(cage_bounds(node, *slot, skin), world_from_node, visit);
                 continue;
             }
             const State::Shape& shape = s.shape_of(id, *slot);
+            s.points += std::max(shape.still.size(), shape.used.size());
             if (!slot->is_deformed()) {
                 for (const Vec3d p : shape.still) visit(transform_point(world_from_node, p));
                 continue;

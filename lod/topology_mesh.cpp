@@ -7,6 +7,7 @@
 
 #include <opensubdiv/sdc/crease.h>
 
+#include "base/error_without_file.h"
 #include "lod/derived_points.h"
 #include "lod/fan_limits.h"
 
@@ -138,9 +139,11 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
     d.holeIndices = holes.data();
     d.numFVarChannels = static_cast<int>(channels.size());
     d.fvarChannels = channels.data();
-    if (cage.scheme == Scheme::Bilinear) return RefinerFactory::make(d, {Sdc::SCHEME_BILINEAR, sdc_options(cage)});
-    const RefinerFactory::Options options{Sdc::SCHEME_CATMARK, sdc_options(cage)};
+    const bool is_bilinear = cage.scheme == Scheme::Bilinear;
+    const RefinerFactory::Options options{is_bilinear ? Sdc::SCHEME_BILINEAR : Sdc::SCHEME_CATMARK, sdc_options(cage)};
     auto refiner = RefinerFactory::make(d, options);
+    if (!refiner) throw error_without_file("the cage is beyond what can be refined", cage.name);
+    if (is_bilinear) return refiner;
     const std::vector<int> held = vertices_without_one_limit(refiner->GetLevel(0));
     if (held.empty()) return refiner;
     corner_vertices.insert(corner_vertices.end(), held.begin(), held.end());

@@ -165,7 +165,7 @@ private:
     // Drops the faces around each vertex that too many faces of a subdivided cage share.
     void drop_poles(std::vector<Verdict>& verdicts) const
     {
-        if (cage_.scheme != Scheme::CatmullClark) return;
+        if (cage_.scheme == Scheme::Triangles) return;
         const auto for_kept = [&](auto&& visit) {
             std::size_t at = 0;
             for (std::size_t f = 0; f < verdicts.size(); at += cage_.face_sizes[f], ++f)

@@ -140,10 +140,10 @@ inline bool is_usable(Vec3f p) noexcept
 
 /// Repairs an untrusted cage so that all later code may rely on these rules: the sizes of its arrays fit together, indices
 /// are in range, numbers are finite, and faces have at least three vertices, none of them twice, and at most kMaxFaceCorners
-/// corners. In a Catmull-Clark cage at most 4096 faces share a vertex. A corner that
-/// repeats its neighbour is removed from its face. Faces, creases, corners and holes that break a rule are dropped (a
-/// dropped face takes its hole tag with it). Returns one line for each kind of repair, with its count, and nothing if there
-/// was nothing to repair. Throws Error if the arrays do not fit together.
+/// corners. In a cage that is no triangle mesh at most 4096 faces share a vertex. A corner that repeats its neighbour is
+/// removed from its face. Faces, creases, corners and holes that break a rule are dropped (a dropped face takes its hole tag
+/// with it). Returns one line for each kind of repair, with its count, and nothing if there was nothing to repair. Throws
+/// Error if the arrays do not fit together.
 std::vector<std::string> sanitize(Cage& cage);
 inline constexpr std::uint32_t kMaxFaceCorners = 4096;
 

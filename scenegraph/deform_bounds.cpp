@@ -57,10 +57,13 @@ void DeformBoundsTable::add(const Cage& cage, std::span<const std::uint32_t> ver
     finish();
 }
 
-void DeformBoundsTable::add_all(const Cage& cage)
+void DeformBoundsTable::add_all(const Cage& cage, std::span<const std::uint32_t> without)
 {
     begin(cage);
-    for (std::uint32_t v = 0; v < cage.positions.size(); ++v) add_vertex(cage, v);
+    for (std::uint32_t v = 0; v < cage.positions.size(); ++v) {
+        if (without.empty() || without.front() != v) add_vertex(cage, v);
+        else without = without.subspan(1);
+    }
     finish();
 }
 

@@ -51,8 +51,8 @@ class DeformBoundsTable {
 public:
     /// Adds the bounds of the given vertices. The number of the new part is the count of parts before it.
     void add(const Cage& cage, std::span<const std::uint32_t> vertices);
-    /// Adds the bounds of all the cage's vertices.
-    void add_all(const Cage& cage);
+    /// Adds the bounds of all the cage's vertices but some, which are in ascending order.
+    void add_all(const Cage& cage, std::span<const std::uint32_t> without);
     /// Adds the union of the bounds of two parts.
     void add_union(std::size_t a, std::size_t b);
 

@@ -46,7 +46,7 @@ double longest_edge(const Subject::Pair& pair)
 }  // namespace
 
 EscapeTest::EscapeTest(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures,
-                       VerifiedCage& report, std::size_t number)
+                       VerifiedCage& report, std::size_t number, std::size_t size)
     : number_(number),
       settings_(settings),
       textures_(textures),
@@ -54,11 +54,17 @@ EscapeTest::EscapeTest(const ShownCage& shown, const VerifySettings& settings, c
       random_(settings.seed * 0x9E3779B97F4A7C15u + 1),
       scale_(scale_of(shown)),
       frame_from_object_(placed_by(scale_, shown.world_from_object)),
-      subject_({shown.slot, shown.node, shown.skin, frame_from_object_, shown.segments}, textures)
+      subject_({shown.slot, shown.node, shown.skin, frame_from_object_, shown.segments}, textures, size)
 {
 }
 
-void EscapeTest::run()
+bool EscapeTest::is_seen_at(float time) const
+{
+    const int segments = subject_.scene().shutter_segments();
+    return segments == 0 || (!subject_.is_empty() && subject_.is_seen_in(lod::key_time(time, segments).key));
+}
+
+void EscapeTest::run(std::uint64_t rays)
 {
     if (subject_.is_empty()) {
         report_.not_testable = "it has no limit surface";
@@ -67,7 +73,8 @@ void EscapeTest::run()
     choose_instants();
     // The level is finer if the inside is thinner than the edges.
     finest_ = subject_.level_of_rate(settings_.largest_rate);
-    for (int finer = 0; finer < kFiner && report_.starts == 0; ++finer, --finest_) {
+    std::size_t starts = 0;
+    for (int finer = 0; finer < kFiner && starts == 0; ++finer, --finest_) {
         std::size_t corners = 0;
         for (Instant& instant : instants_) {
             instant.pairs.clear();
@@ -75,28 +82,31 @@ void EscapeTest::run()
                 instant.pairs.push_back(subject_.dice(level, instant.time));
             corners += instant.pairs.front().corners.size();
             find_starts(instant);
-            report_.starts += instant.starts.size();
+            starts += instant.starts.size();
         }
-        if (report_.starts > 0 || corners > kMostCorners) break;
+        if (starts > 0 || corners > kMostCorners) break;
     }
+    report_.starts += starts;
     std::erase_if(instants_, [](const Instant& instant) { return instant.starts.empty(); });
     if (instants_.empty()) {
+        if (report_.starts > 0) return;
         report_.not_testable =
             "no point inside was found: no winding number is 1, so the surface is open, its faces are turned inside out, or "
             "its inside is thinner than the edges at the largest rate";
         return;
     }
+    report_.not_testable.clear();
     set_levels();
     const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, {.textures = textures_});
     accel::Tracer tracer(frame, std::size_t(1) << 30);
-    std::vector<accel::Ray> rays(kRaysOfAView);
-    std::vector<accel::SurfaceHit> hits(rays.size());
-    while (report_.rays < settings_.rays) {
+    std::vector<accel::Ray> batch(kRaysOfAView);
+    std::vector<accel::SurfaceHit> hits(batch.size());
+    while (report_.rays < rays) {
         const View view = next_view();
-        for (accel::Ray& ray : rays) ray = next_ray(view);
-        tracer.closest(rays, hits);
-        for (std::size_t i = 0; i < rays.size(); ++i) judge(rays[i], hits[i]);
-        report_.rays += rays.size();
+        for (accel::Ray& ray : batch) ray = next_ray(view);
+        tracer.closest(batch, hits);
+        for (std::size_t i = 0; i < batch.size(); ++i) judge(batch[i], hits[i]);
+        report_.rays += batch.size();
     }
 }
 
@@ -155,6 +165,17 @@ void EscapeTest::choose_instants()
     for (Instant& instant : instants_) instant.time = static_cast<float>(uniform(random_));
     const auto key = static_cast<int>(random_() % static_cast<unsigned>(segments + 1));
     instants_[0].time = static_cast<float>(key) / static_cast<float>(segments);
+    // Where rays of a moment do not see the cage, or see it at another size, they have a moment of another segment.
+    const int all = subject_.scene().shutter_segments();
+    std::vector<int> seen;
+    for (int segment = 0; segment < all; ++segment)
+        if (subject_.is_seen_in(segment)) seen.push_back(segment);
+    if (seen.empty()) instants_.clear();
+    for (Instant& instant : instants_) {
+        if (is_seen_at(instant.time)) continue;
+        const double within = uniform(random_);
+        instant.time = static_cast<float>((pick(seen, random_) + within) / all);
+    }
 }
 
 void EscapeTest::find_starts(Instant& instant)

@@ -23,10 +23,16 @@ namespace occam {
 class EscapeTest {
 public:
     /// number   of the placed cage among those that are reported
+    /// size     as Subject has it
     EscapeTest(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures, VerifiedCage& report,
-               std::size_t number = 0);
+               std::size_t number, std::size_t size);
 
-    void run();
+    std::size_t size_count() const noexcept { return subject_.size_count(); }
+    /// Returns whether rays of this time see the cage at this size.
+    bool is_seen_at(float time) const;
+
+    /// Sends rays until the report counts as many. The cage cannot be tested if no size has a point inside.
+    void run(std::uint64_t rays);
 
     /// Traces one ray, writes what it does, and judges it.
     void replay(const RayLine& line, std::ostream& out);

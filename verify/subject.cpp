@@ -5,11 +5,19 @@
 
 namespace occam {
 
-Subject::Subject(const ShownCage& shown, const TextureStore* textures)
+Cage without_materials(Cage cage)
+{
+    cage.materials.clear();
+    cage.face_slots.clear();
+    return cage;
+}
+
+Subject::Subject(const ShownCage& shown, const TextureStore* textures, std::size_t size)
 {
     add(shown);
     scene_.refit();
     const CageSlot& slot = scene_.cage(cage_);
+    if (slot.cage.face_count() == 0) return;
     const lod::CageTables& tables = topologies_.get(slot);
     const Node& node = scene_.node(node_);
     const std::vector<Mat4d> moving = scene_.world_from_node_keys(node_);
@@ -18,8 +26,11 @@ Subject::Subject(const ShownCage& shown, const TextureStore* textures)
     // The frame's tolerance is that of exact paths, too.
     lod::LevelSettings exact;
     exact.motion_edges = 0;
-    posed_ = &lod::pose_cage({slot, node, node_, scene_.find(node.skin), matrices, scene_.shutter_segments()}, exact,
-                             {tables, textures, pose_, deform_});
+    lod::for_each_size({slot, node, node_, scene_.find(node.skin), matrices, scene_.shutter_segments()}, exact,
+                       {tables, textures, pose_, deform_}, [&](const lod::PosedCage& posed) {
+                           if (size_count_++ == size) posed_ = &posed;
+                       });
+    if (!posed_) return;
     const lod::Topology& topology = *posed_->topology;
     for (std::uint32_t face = 0; face < topology.face_count(); ++face)
         for (std::uint32_t sub = 0; topology.is_seen(face) && sub < topology.patches_of(face); ++sub)
@@ -29,10 +40,7 @@ Subject::Subject(const ShownCage& shown, const TextureStore* textures)
 // Adds the cage and its node, with joints below the root wherever they are in the other scene, and records their motion.
 void Subject::add(const ShownCage& shown)
 {
-    Cage cage = shown.slot.cage;
-    cage.materials.clear();  // they are those of the other scene, and nothing is shaded
-    cage.face_slots.clear();
-    cage_ = scene_.add(std::move(cage));
+    cage_ = scene_.add(without_materials(shown.slot.cage));
     const auto matrix_at = [&](std::size_t key) {
         return shown.world_from_object.size() > 1 ? shown.world_from_object[key] : shown.world_from_object[0];
     };
@@ -78,7 +86,7 @@ int Subject::level_of_rate(int rate) const
 {
     int level = lod::kFinestLevel;
     for (const Patch& p : patches_) {
-        const int exponent = static_cast<int>(std::log2(rate));
+        const int exponent = static_cast<int>(std::log2(std::max(rate, 1)));
         level = std::max({level, p.scale.k[0] - exponent, p.scale.k[1] - exponent});
     }
     return std::max(level, posed_->finest_level());

@@ -19,14 +19,22 @@ struct ShownCage {
     int segments = 0;                          ///< of the scene's shutter
 };
 
+/// Returns the cage without its materials, which are those of another scene: nothing is shaded.
+Cage without_materials(Cage cage);
+
 class Subject {
 public:
-    Subject(const ShownCage& shown, const TextureStore* textures);
+    /// size   of those that the cage has while the shutter is open (lod::for_each_size), which number from 0
+    Subject(const ShownCage& shown, const TextureStore* textures, std::size_t size);
 
     const Scene& scene() const noexcept { return scene_; }
     lod::TopologyCache& topologies() noexcept { return topologies_; }
     const lod::PosedCage& posed() const noexcept { return *posed_; }
     bool is_empty() const noexcept { return patches_.empty(); }
+    /// Returns how many sizes the cage has while the shutter is open; it is in poses of its own at each of them.
+    std::size_t size_count() const noexcept { return size_count_; }
+    /// Returns whether the cage has this size in that segment of the shutter.
+    bool is_seen_in(int segment) const noexcept { return (posed_->visible_in >> segment & 1) != 0; }
 
     /// Returns whether nodes or joints reverse the orientation of faces at that moment.
     bool is_mirrored_at(float time) const noexcept;
@@ -56,7 +64,8 @@ private:
     lod::TopologyCache topologies_;
     CageId cage_;
     NodeId node_;
-    const lod::PosedCage* posed_ = nullptr;
+    const lod::PosedCage* posed_ = nullptr;  ///< null if the cage has no faces
+    std::size_t size_count_ = 0;
     lod::Dicer dicer_;
     Arena arena_, pose_;
     lod::DeformCounters deform_;

@@ -120,6 +120,31 @@ TEST(Tracer, FindsSeveralHitsAtOnceAsOneAfterTheOther)
         }
 }
 
+TEST(Tracer, FindsNothingWhereARayEnds)
+{
+    Stage stage;
+    add_stack(stage.scene, 20);
+    const accel::Frame frame = stage.frame(-4);
+    accel::Tracer tracer(frame, kPlenty);
+    int tested = 0;
+    for (accel::Ray ray : rays_towards({0.3, 3, 4}, stage.scene.bounds(), 300, 11)) {
+        accel::SurfaceHit first, hit, several[4];
+        tracer.closest({&ray, 1}, {&first, 1});
+        if (!first.is_hit()) continue;
+        ray.t_far = first.t;
+        accel::HitCount count;
+        std::uint8_t is_occluded = 2;
+        tracer.closest({&ray, 1}, {&hit, 1});
+        tracer.nearest({&ray, 1}, 4, several, {&count, 1});
+        tracer.occluded({&ray, 1}, {&is_occluded, 1});
+        EXPECT_FALSE(hit.is_hit());
+        EXPECT_TRUE(count.count == 0 && count.is_all) << count.count;
+        EXPECT_EQ(is_occluded, 0);
+        ++tested;
+    }
+    EXPECT_GT(tested, 100);
+}
+
 TEST(Tracer, FindsTheSameFirstHitsWithoutWhatShadingNeeds)
 {
     Stage stage;

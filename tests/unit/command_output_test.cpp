@@ -5,6 +5,7 @@
 #include <sys/mount.h>
 #include <sys/resource.h>
 
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -307,6 +308,23 @@ TEST_F(Outputs, TemporariesOfKilledRunsAreRemovedByTheNextOne)
     close(living);
     ASSERT_EQ(run({"animate", "triangle.obj", "-o", "f.####.png", "--frames", "2-3", "--size", "8x8"}).exit_code, kDone);
     EXPECT_FALSE(fs::exists(folder / ".f.0003.part21983.png"));
+}
+
+TEST_F(Outputs, AWriterKeepsItsTemporaryThoughOthersTidyUpWhenItBegins)
+{
+    const fs::path file = folder / "a.json";
+    std::atomic<bool> is_done = false;
+    std::jthread others([&] {
+        while (!is_done) remove_unfinished(std::span(&file, 1));
+    });
+    int lost = 0;
+    for (int attempt = 0; attempt < 400; ++attempt) {
+        const OutputFile out(file);
+        for (int wait = 0; wait < 3; ++wait) std::this_thread::yield();
+        lost += !fs::exists(out.temporary());
+    }
+    is_done = true;
+    EXPECT_EQ(lost, 0);
 }
 
 TEST_F(Outputs, AFileIsThereWhenItIsPublishedAndNotBefore)

@@ -43,5 +43,33 @@ TEST(Extent, RefinesAsManyCagesAsFitAndThoseThatChangeAgain)
     }
 }
 
+TEST(Extent, HoldsNothingThatAGroupHidesFromTheCamera)
+{
+    Scene scene;
+    const CageId cube = scene.add(creased_cube(1));
+    place(scene, cube, {0, 0, 0});
+    scene.refit();
+    lod::Extent extent;
+    const std::size_t alone = points_of(extent, scene);
+    NodeDesc hidden{.seen_by = RayKind::Shadow};
+    const NodeId group = scene.add_node(scene.root(), hidden);
+    const NodeId below = scene.add_node(group, {.cages = {cube}});
+    scene.add_node(group, {.instance_of = below});
+    scene.refit();
+    EXPECT_EQ(points_of(extent, scene), alone);
+}
+
+// Where many refined cages lie side by side, further ones give the eight corners of their boxes.
+TEST(Extent, CountsThePointsThatItVisits)
+{
+    Scene scene;
+    const CageId torus_of_quads = scene.add(torus(40, 20));
+    constexpr int kSide = 40;
+    for (int k = 0; k < kSide * kSide; ++k) place(scene, torus_of_quads, {double(k % kSide), double(k / kSide), 0});
+    scene.refit();
+    lod::Extent extent;
+    EXPECT_LT(points_of(extent, scene), 51'000'000u) << "some 80 million points if all were refined";
+}
+
 }  // namespace
 }  // namespace occam::test

@@ -49,7 +49,7 @@ TEST(MeshPieces, AgreeWithSolidAnglesAndWithAllVertices)
         CageSlot slot;
         slot.cage = made_cage(name);
         const Mat4d place(1);
-        Subject subject({slot, nullptr, nullptr, {&place, 1}, 0}, nullptr);
+        Subject subject({slot, nullptr, nullptr, {&place, 1}, 0}, nullptr, 0);
         const Subject::Pair pair = subject.dice(subject.level_of_rate(16), 0);
         const MeshPieces pieces(pair);
         Box3d box;
