@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/json_document.h"
+#include "io/import/gltf_buffers.h"
 #include "io/import/gltf_extensions.h"
 #include "io/import/gltf_json.h"
 #include "io/import/gltf_rules.h"
@@ -140,24 +141,27 @@ CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
     check_scene_rules(root, report);
     warn_of_empty_extras(root, report);
 
-    CheckedGltf checked;
+    bool is_changed = false;
     for (std::size_t b = 0; b < list(root, "buffers").size(); ++b) {
         json& buffer = root["buffers"][b];
-        std::string uri = text(buffer, "uri");
-        if (uri.empty()) {
-            if (!is_glb || b > 0) {
-                const bool is_compressed = buffer.contains("extensions") &&
-                                           buffer["extensions"].contains("EXT_meshopt_compression");
-                throw Error(report.name(),
-                            is_compressed ? "has no data but for EXT_meshopt_compression, which is not read" : "has no data",
-                            element("buffers", b));
-            }
-            buffer["uri"] = uri = kBinaryChunk;
-            checked.json = root.dump();
+        if (!text(buffer, "uri").empty()) continue;
+        if (!is_glb || b > 0) {
+            const bool is_compressed = buffer.contains("extensions") &&
+                                       buffer["extensions"].contains("EXT_meshopt_compression");
+            throw Error(report.name(),
+                        is_compressed ? "has no data but for EXT_meshopt_compression, which is not read" : "has no data",
+                        element("buffers", b));
         }
-        if (!uri.starts_with("data:"))
-            checked.files[decode_uri(uri)].push_back(static_cast<std::size_t>(integer(buffer, "byteLength", 0)));
+        buffer["uri"] = kBinaryChunk;
+        is_changed = true;
     }
+    is_changed |= join_buffers(root, report.file().parent_path());
+
+    CheckedGltf checked;
+    if (is_changed) checked.json = root.dump();
+    for (const json& buffer : list(root, "buffers"))
+        if (const std::string uri = text(buffer, "uri"); !uri.starts_with("data:"))
+            checked.files[decode_uri(uri)] = static_cast<std::size_t>(integer(buffer, "byteLength", 0));
     return checked;
 }
 

@@ -6,7 +6,6 @@
 #include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "io/import/report.h"
 
@@ -17,9 +16,10 @@ inline constexpr const char* kBinaryChunk = "<binary chunk>";
 
 /// Holds a document that has passed validation.
 struct CheckedGltf {
-    std::string json;  ///< the document with kBinaryChunk in place of the binary chunk's URI; empty if nothing was replaced
-    /// For each decoded URI, the bytes that each buffer reads from it, in the order of the buffers.
-    std::map<std::string, std::vector<std::size_t>> files;
+    /// Is the document with kBinaryChunk in place of the binary chunk's URI, and with one buffer for each file; empty if
+    /// nothing was replaced.
+    std::string json;
+    std::map<std::string, std::size_t> files;  ///< for each decoded URI, the bytes that its buffer reads
 };
 
 /// Checks the JSON against the schema: types, required properties, ranges, and that every index names something. What a

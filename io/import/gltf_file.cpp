@@ -17,8 +17,7 @@ struct Folder {
     std::filesystem::path folder;
     const GltfContainer& container;
     Report& report;
-    std::map<std::string, std::vector<std::size_t>> files;
-    std::map<std::string, std::size_t> reads;  // the number of reads so far
+    std::map<std::string, std::size_t> files;  // the bytes to read of each
     bool lacks_memory = false;                 // a read has failed for lack of memory
 };
 
@@ -46,7 +45,7 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const 
     Folder& folder = *static_cast<Folder*>(user);
     const std::string name = without_dot(path);
     try {
-        const std::size_t wanted = folder.files.at(name).at(folder.reads[name]++);
+        const std::size_t wanted = folder.files.at(name);
         if (name == kBinaryChunk) {
             *out = folder.container.binary(wanted);
             return true;
@@ -89,9 +88,9 @@ tinygltf::Model open_gltf(Report& report)
     const GltfContainer container(report);
     CheckedGltf checked = check_gltf(container.json(), container.is_glb(), report);
     if (const auto chunk = checked.files.find(kBinaryChunk); chunk != checked.files.end())
-        container.require_binary(chunk->second.front());
+        container.require_binary(chunk->second);
     const std::string& json = checked.json.empty() ? container.json() : checked.json;
-    Folder folder{report.file().parent_path(), container, report, std::move(checked.files), {}, false};
+    Folder folder{report.file().parent_path(), container, report, std::move(checked.files), false};
 
     tinygltf::TinyGLTF reader;
     reader.SetFsCallbacks({file_exists, expand_path, read_whole_file, write_whole_file, &folder});

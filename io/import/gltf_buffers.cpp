@@ -1,0 +1,56 @@
+#include "io/import/gltf_buffers.h"
+
+#include <optional>
+#include <unordered_map>
+
+#include "io/import/files.h"
+#include "io/import/gltf_door.h"
+#include "io/import/gltf_json.h"
+#include "io/import/gltf_uri.h"
+
+namespace occam::import {
+
+namespace {
+
+using nlohmann::json;
+
+// Returns what two buffers have in common that are read from one place; none if it is in the document or outside of the
+// folder.
+std::optional<std::string> place_of(const std::string& uri, const std::filesystem::path& folder)
+{
+    if (uri.starts_with("data:")) return std::nullopt;
+    std::string name = decode_uri(uri);
+    if (name == kBinaryChunk) return name;
+    const auto path = inside(folder, name);
+    return path ? std::optional(path->string()) : std::nullopt;
+}
+
+}  // namespace
+
+bool join_buffers(json& root, const std::filesystem::path& folder)
+{
+    const json& buffers = list(root, "buffers");
+    json joined = json::array();
+    std::vector<std::size_t> index(buffers.size());  // of each buffer, in the new list
+    std::unordered_map<std::string, std::optional<std::string>> place_of_uri;
+    std::unordered_map<std::string, std::size_t> index_of_place;
+    for (std::size_t b = 0; b < buffers.size(); ++b) {
+        index[b] = joined.size();
+        const auto [place, is_new] = place_of_uri.try_emplace(text(buffers[b], "uri"));
+        if (is_new) place->second = place_of(place->first, folder);
+        if (place->second) index[b] = index_of_place.try_emplace(*place->second, index[b]).first->second;
+        if (index[b] == joined.size()) {
+            joined.push_back(buffers[b]);
+            continue;
+        }
+        json& length = joined[index[b]]["byteLength"];
+        if (buffers[b]["byteLength"] > length) length = buffers[b]["byteLength"];
+    }
+    if (joined.size() == buffers.size()) return false;
+    root["buffers"] = std::move(joined);
+    if (const auto views = root.find("bufferViews"); views != root.end())
+        for (json& view : *views) view["buffer"] = index[static_cast<std::size_t>(integer(view, "buffer", 0))];
+    return true;
+}
+
+}  // namespace occam::import

@@ -1,0 +1,14 @@
+// Buffers of a glTF that are read from one file.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+namespace occam::import {
+
+/// Makes one buffer of all those that have one file, so that it is read, kept and counted once, however many buffers name it
+/// and however they spell its name. The document has passed check_schema(), and each of its buffers has a URI; indices of
+/// buffers change. Returns false if there was nothing to join.
+bool join_buffers(nlohmann::json& root, const std::filesystem::path& folder);
+
+}  // namespace occam::import
