@@ -4,16 +4,12 @@
 #include <cmath>
 #include <optional>
 
+#include "io/import/gltf_value.h"
 #include "scenegraph/interpolation.h"
 
 namespace occam::import {
 
 namespace {
-
-std::string element(const char* kind, std::size_t index, const std::string& name)
-{
-    return std::string(kind) + "[" + std::to_string(index) + "]" + (name.empty() ? "" : " '" + name + "'");
-}
 
 NodeId node_at(const std::vector<NodeId>& nodes, int index)
 {
@@ -149,7 +145,7 @@ std::vector<SkinId> add_skins(const tinygltf::Model& model, AccessorReader& acce
     std::vector<SkinId> ids(model.skins.size());
     for (std::size_t s = 0; s < model.skins.size(); ++s) {
         const tinygltf::Skin& in = model.skins[s];
-        const std::string where = element("skins", s, in.name);
+        const std::string where = named_element("skins", s, in.name);
         Skin skin;
         skin.name = in.name;
         for (int joint : in.joints)
@@ -180,7 +176,8 @@ void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const st
         const tinygltf::Animation& animation = model.animations[a];
         Clip clip{animation.name, {}};
         for (std::size_t c = 0; c < animation.channels.size(); ++c) {
-            const std::string where = element("animations", a, animation.name) + ".channels[" + std::to_string(c) + "]";
+            const std::string where = named_element("animations", a, animation.name) + ".channels[" + std::to_string(c) +
+                                      "]";
             if (auto channel = reader.channel(animation, animation.channels[c], where))
                 clip.channels.push_back(*std::move(channel));
         }

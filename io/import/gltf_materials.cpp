@@ -1,6 +1,8 @@
 #include "io/import/gltf_materials.h"
 
+#include <array>
 #include <cmath>
+#include <unordered_map>
 
 #include "io/import/files.h"
 #include "io/import/gltf_uri.h"
@@ -40,9 +42,9 @@ const T* find(const std::vector<T>& list, int index)
     return index >= 0 && static_cast<std::size_t>(index) < list.size() ? &list[static_cast<std::size_t>(index)] : nullptr;
 }
 
-std::string named_element(const char* kind, int index, const std::string& name)
+std::string named_image(int index, const std::string& name)
 {
-    return std::string(kind) + "[" + std::to_string(index) + "]" + (name.empty() ? "" : " '" + name + "'");
+    return named_element("images", static_cast<std::size_t>(index), name);
 }
 
 TextureUse::Wrap wrap_of(int mode)
@@ -52,30 +54,53 @@ TextureUse::Wrap wrap_of(int mode)
     return TextureUse::Wrap::Repeat;
 }
 
-// Returns for each image the first one that is read from the same place: a file may name a large image thousands of times.
-std::vector<int> same_images(const tinygltf::Model& model)
+// Returns for each image the first one that is read from the same place: a file may name a large image thousands of times,
+// by many spellings or by views of the same bytes.
+std::vector<int> same_images(const tinygltf::Model& model, const std::filesystem::path& folder)
 {
     std::vector<int> first(model.images.size());
-    std::unordered_map<int, int> by_view;
+    std::map<std::array<std::size_t, 3>, int> by_bytes;
     std::unordered_map<std::string_view, int> by_uri;
+    std::unordered_map<std::string, int> by_path;
     for (std::size_t i = 0; i < first.size(); ++i) {
         const tinygltf::Image& image = model.images[i];
         const int index = static_cast<int>(i);
         first[i] = index;
-        if (image.bufferView >= 0) first[i] = by_view.try_emplace(image.bufferView, index).first->second;
-        else if (image.image.empty()) first[i] = by_uri.try_emplace(image.uri, index).first->second;
+        if (const tinygltf::BufferView* view = find(model.bufferViews, image.bufferView)) {
+            const auto buffer = static_cast<std::size_t>(view->buffer);
+            first[i] = by_bytes.try_emplace({buffer, view->byteOffset, view->byteLength}, index).first->second;
+        } else if (image.image.empty()) {
+            const auto [known, is_new] = by_uri.try_emplace(image.uri, index);
+            if (is_new && !image.uri.starts_with("data:"))
+                if (const auto path = inside(folder, decode_uri(image.uri)))
+                    known->second = by_path.try_emplace(path->string(), index).first->second;
+            first[i] = known->second;
+        }
     }
     return first;
+}
+
+// Views that overlap would each have a copy of the bytes, so their sum is limited. Those of ordinary files do not.
+std::size_t most_view_bytes(const tinygltf::Model& model)
+{
+    std::size_t bytes = std::size_t(16) << 20;
+    for (const tinygltf::Buffer& buffer : model.buffers) bytes += 2 * buffer.data.size();
+    return bytes;
 }
 
 }  // namespace
 
 MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader& accessors, Scene& scene, Report& report)
-    : model_(model), accessors_(accessors), scene_(scene), report_(report), first_image_(same_images(model))
+    : model_(model),
+      accessors_(accessors),
+      scene_(scene),
+      report_(report),
+      first_image_(same_images(model, report.file().parent_path())),
+      view_bytes_left_(most_view_bytes(model))
 {
     for (std::size_t i = 0; i < model.materials.size(); ++i) {
         const tinygltf::Material& m = model.materials[i];
-        const std::string where = named_element("materials", static_cast<int>(i), m.name);
+        const std::string where = named_element("materials", i, m.name);
         Material material = convert(m, where);
         try {
             check(material);
@@ -86,16 +111,18 @@ MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader&
         }
         materials_.push_back(scene.add(std::move(material)));
     }
-    // The store will read what is used. The rest is only opened here, so that a broken image is reported.
+    // The store will read what is used. The rest is only opened here, so that a broken image is reported, and is not kept.
     for (std::size_t i = 0; i < model.images.size(); ++i) {
         const int index = static_cast<int>(i);
         if (first_image_[i] != index || images_.count({index, TextureRole::Color}) ||
             images_.count({index, TextureRole::Data}))
             continue;
+        const auto unused = describe(index, TextureRole::Data);
+        encoded_.erase(index);
         try {
-            if (const auto unused = describe(index, TextureRole::Data)) const TextureSource opened(*unused);
+            if (unused) const TextureSource opened(*unused);
         } catch (const Error& error) {
-            report_.warn("unused image cannot be read", named_element("images", index, model.images[i].name));
+            report_.warn("unused image cannot be read", named_image(index, model.images[i].name));
         }
     }
 }
@@ -138,21 +165,29 @@ TextureId MaterialImporter::image(int index, TextureRole role, const std::string
     return known->second;
 }
 
+std::span<const unsigned char> MaterialImporter::bytes_of_view(int view, const std::string& where)
+{
+    const std::span<const unsigned char> bytes = accessors_.view(view, where);
+    if (bytes.size() > view_bytes_left_)
+        throw Error(report_.name(), "images in buffer views show far more bytes than the buffers hold", where);
+    view_bytes_left_ -= bytes.size();
+    return bytes;
+}
+
 std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
 {
     const tinygltf::Image* i = find(model_.images, index);
     Texture t;
     const std::string name = i->name.empty() ? i->uri.substr(0, kMaxShownUri) : i->name;
-    t.name = report_.file().filename().string() + ": " + named_element("images", index, name);
+    t.name = report_.file().filename().string() + ": " + named_image(index, name);
     t.role = role;
     const std::string shown = i->uri.substr(0, kMaxShownUri);
     if (const bool is_data_uri = i->uri.starts_with("data:"); is_data_uri || i->bufferView >= 0 || !i->image.empty()) {
         auto& bytes = encoded_[index];
-        if (!bytes && i->bufferView >= 0)
-            bytes = kept(accessors_.view(i->bufferView, named_element("images", index, i->name)));
+        if (!bytes && i->bufferView >= 0) bytes = kept(bytes_of_view(i->bufferView, named_image(index, i->name)));
         else if (!bytes) bytes = kept(i->image.empty() ? bytes_of_data_uri(i->uri) : i->image);
         if (is_data_uri && bytes->empty()) {
-            report_.warn("image is not in base64", named_element("images", index, shown));
+            report_.warn("image is not in base64", named_image(index, shown));
             return std::nullopt;
         }
         t.encoded = bytes;
@@ -160,7 +195,7 @@ std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
     }
     const auto path = inside(report_.file().parent_path(), decode_uri(i->uri));
     if (!path) {
-        report_.warn_of_file("image is not in the scene's folder", named_element("images", index, shown));
+        report_.warn_of_file("image is not in the scene's folder", named_image(index, shown));
         return std::nullopt;
     }
     if (!std::filesystem::is_regular_file(*path)) {

@@ -36,11 +36,16 @@ private:
     std::optional<Texture> describe(int image,
                                     TextureRole role);  ///< none, and a warning, if it is missing or outside of the folder
 
+    /// Returns the bytes of a view for an image that keeps them. Throws Error if the sum of such bytes is far more than the
+    /// buffers hold.
+    std::span<const unsigned char> bytes_of_view(int view, const std::string& where);
+
     const tinygltf::Model& model_;
     AccessorReader& accessors_;
     Scene& scene_;
     Report& report_;
     std::vector<int> first_image_;  ///< of each image, the first that is read from the same place
+    std::size_t view_bytes_left_;   ///< what images in buffer views may still take
     std::vector<MaterialId> materials_;
     MaterialId default_material_;  ///< made when a primitive without a material is met
     std::map<std::pair<int, TextureRole>, TextureId> images_;

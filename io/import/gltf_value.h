@@ -4,10 +4,19 @@
 #include <tiny_gltf.h>
 
 #include <optional>
+#include <string>
 
 #include "base/vec.h"
 
 namespace occam::import {
+
+/// Returns how messages name an element of the file: its place, and its own name, which is cut off if it is very long.
+inline std::string named_element(const char* kind, std::size_t index, const std::string& name)
+{
+    constexpr std::size_t kMostShown = 128;
+    return std::string(kind) + "[" + std::to_string(index) + "]" +
+           (name.empty() ? "" : " '" + name.substr(0, kMostShown) + "'");
+}
 
 /// Returns the extension of that name, or an empty value, which has no members.
 inline const tinygltf::Value& extension(const tinygltf::ExtensionMap& extensions, const char* name)

@@ -29,6 +29,74 @@ std::string spelling(int number, const std::string& name)
     return text + name;
 }
 
+// Returns a PPM of grey texels that takes more than 700,000 bytes.
+std::string large_image() { return "P6\n500 500\n255\n" + std::string(750'000, '\x80'); }
+
+std::string images(int count, const std::function<std::string(int)>& image, bool are_used)
+{
+    std::string text = R"(, "images": [)" + list_of(count, image) + "]";
+    if (!are_used) return text;
+    text += R"(, "textures": [)" + list_of(count, [](int i) { return R"({"source": )" + std::to_string(i) + "}"; }) + "]";
+    return text + R"(, "materials": [)" +
+           list_of(count, [](int i) { return R"({"emissiveTexture": {"index": )" + std::to_string(i) + "}}"; }) + "]";
+}
+
+// Adds views of all bytes but the last `step` ones of each view before, with an image in each.
+Gltf with_views(int count, int step, bool are_used)
+{
+    Gltf g = square();
+    g.bin.resize(kMega);
+    for (int i = 0; i < count; ++i)
+        g.buffer_views += R"(, {"buffer": 0, "byteLength": )" + std::to_string(kMega - std::size_t(step * i)) + "}";
+    const auto image = [](int i) { return R"({"bufferView": )" + std::to_string(i + 2) + R"(, "mimeType": "image/png"})"; };
+    g.more = images(count, image, are_used);
+    return g;
+}
+
+TEST(RepeatedImages, OfTheSameBytesAreOneTexture)
+{
+    const TempFolder folder;
+    EXPECT_EQ(load(with_views(100, 0, true).write(folder)).texture_ids().size(), 1u);
+    EXPECT_TRUE(warns(load(with_views(100, 0, false).write(folder)), "unused image cannot be read (images[0])"));
+}
+
+TEST(RepeatedImages, WhoseViewsOverlapManyTimesAreRefused)
+{
+    const TempFolder folder;
+    for (const bool are_used : {false, true}) {
+        EXPECT_EQ(error_of(with_views(10, 4, are_used).write(folder)), "");
+        EXPECT_NE(error_of(with_views(40, 4, are_used).write(folder)).find("show far more bytes than the buffers hold"),
+                  std::string::npos);
+    }
+}
+
+TEST(RepeatedImages, OfManySpellingsAreOneTextureAndReadOnce)
+{
+    const TempFolder folder;
+    folder.write("a.ppm", large_image());
+    Gltf g = square();
+    const auto image = [](int i) { return R"({"uri": ")" + spelling(i, "a.ppm") + R"("})"; };
+    g.more = images(50, image, true);
+    EXPECT_EQ(load(g.write(folder)).texture_ids().size(), 1u);
+    g.more = images(50, image, false);
+    const auto file = g.write(folder);
+    const std::size_t before = bytes_read();
+    load(file);
+    EXPECT_LT(bytes_read() - before, 3 * kMega);
+}
+
+TEST(RepeatedImages, OutsideOfTheFolderDoNotStandForThoseInside)
+{
+    const TempFolder folder;
+    const std::string inside = folder.write("a.ppm", large_image()).string();
+    Gltf g = square();
+    g.more = images(
+        2, [&](int i) { return R"({"uri": ")" + (i ? "a.ppm" : inside) + R"("})"; }, true);
+    const Scene scene = load(g.write(folder));
+    EXPECT_EQ(scene.texture_ids().size(), 1u);
+    EXPECT_TRUE(warns(scene, "image is not in the scene's folder"));
+}
+
 // Returns a glTF whose many buffers are one file, each with a spelling of its own and some bytes more than the one before.
 // The positions are in the last buffer.
 std::string with_buffers(int count, const std::string& accessor_more)
