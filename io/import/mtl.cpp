@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <sstream>
+#include <unordered_map>
 
 #include "io/import/files.h"
 #include "io/import/mtl_statements.h"
@@ -99,6 +101,7 @@ private:
     {
         const auto path = inside(folder_, name);
         if (!path || !std::filesystem::is_regular_file(*path)) return false;
+        if (!paths_.insert(*path).second) return true;  // it is there by another name
         report_.add_file(*path);
         const std::string text = prepare_mtl(read_text(*path, kMaxLibraryBytes), name, report_);
         std::map<std::string, int> index;
@@ -170,6 +173,14 @@ private:
         return use;
     }
 
+    // Many materials may name the image, so it is decoded once.
+    bool holds_heights(TextureId texture)
+    {
+        const auto [known, is_new] = is_grey_.try_emplace(texture, false);
+        if (is_new) known->second = is_grey(scene_.texture(texture));
+        return known->second;
+    }
+
     // Adds the normal map or the bump map. A normal map comes from `norm`, or from `map_Bump`, to which exporters write both
     // kinds: an image without any colour holds heights, in file units times -bm.
     void add_normals(const tinyobj::material_t& m, Material& material)
@@ -178,7 +189,7 @@ private:
             material.normal_texture = texture(m.normal_texname, m.normal_texopt, TextureRole::Data);
         } else if (!m.bump_texname.empty()) {
             const TextureUse use = texture(m.bump_texname, m.bump_texopt, TextureRole::Data);
-            const bool has_heights = use && is_grey(scene_.texture(use.texture));
+            const bool has_heights = use && holds_heights(use.texture);
             (has_heights ? material.bump_texture : material.normal_texture) = use;
             if (std::isfinite(m.bump_texopt.bump_multiplier))
                 (has_heights ? material.bump_scale : material.normal_scale) = m.bump_texopt.bump_multiplier;
@@ -258,7 +269,9 @@ private:
     Report& report_;
     std::map<std::string, MaterialId> materials_;
     std::map<std::pair<std::string, TextureRole>, TextureId> textures_;
-    std::map<std::string, bool> is_there_;  ///< the names of libraries so far, and whether each is there
+    std::map<std::string, bool> is_there_;         ///< the names of libraries so far, and whether each is there
+    std::set<std::filesystem::path> paths_;        ///< libraries that have been read, by canonical paths
+    std::unordered_map<TextureId, bool> is_grey_;  ///< of the images of bump maps so far
 };
 
 }  // namespace

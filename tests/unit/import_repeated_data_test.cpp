@@ -97,6 +97,20 @@ TEST(RepeatedImages, OutsideOfTheFolderDoNotStandForThoseInside)
     EXPECT_TRUE(warns(scene, "image is not in the scene's folder"));
 }
 
+TEST(RepeatedImages, OfBumpMapsAreDecodedOnce)
+{
+    const TempFolder folder;
+    folder.write("a.ppm", large_image());
+    std::string mtl;
+    for (int i = 0; i < 50; ++i) mtl += "newmtl m" + std::to_string(i) + "\nmap_Bump a.ppm\n";
+    folder.write("m.mtl", mtl);
+    const auto file = folder.write("o.obj", std::string("mtllib m.mtl\nusemtl m49\n") + kTriangle + "f 1 2 3\n");
+    const std::size_t before = bytes_read();
+    const Scene scene = load(file);
+    EXPECT_LT(bytes_read() - before, 5 * kMega);
+    EXPECT_TRUE(scene.material(only_cage(scene).materials.at(0)).bump_texture);
+}
+
 // Returns a glTF whose many buffers are one file, each with a spelling of its own and some bytes more than the one before.
 // The positions are in the last buffer.
 std::string with_buffers(int count, const std::string& accessor_more)
@@ -139,6 +153,20 @@ TEST(RepeatedBuffers, ThatAreLongerThanTheirFileAreRefused)
     const TempFolder folder;
     folder.write("b.bin", std::string(kMega - 1, '\0'));
     EXPECT_NE(error_of(folder.write("a.gltf", with_buffers(2, R"("bufferView": 0, "count": 3)"))), "");
+}
+
+TEST(RepeatedFiles, OfMaterialsAreReadOnce)
+{
+    const TempFolder folder;
+    folder.write("m.mtl", "newmtl m\n" + std::string(500'000, '#') + "\n");
+    std::string obj;
+    for (int i = 0; i < 50; ++i) obj += "mtllib " + spelling(i, "m.mtl") + "\n";
+    const auto file = folder.write("o.obj", obj + kTriangle + "usemtl m\nf 1 2 3\n");
+    const std::size_t before = bytes_read();
+    const Scene scene = load(file);
+    EXPECT_LT(bytes_read() - before, kMega);
+    EXPECT_EQ(scene.material(only_cage(scene).materials.at(0)).name, "m");
+    EXPECT_TRUE(scene.warnings.empty());
 }
 
 }  // namespace
