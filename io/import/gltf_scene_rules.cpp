@@ -14,10 +14,14 @@ using nlohmann::json;
 
 class SceneRules {
 public:
-    SceneRules(const json& root, Report& report) : root_(root), report_(report) {}
+    SceneRules(const json& root, Report& report) : root_(root), report_(report)
+    {
+        for (const json& name : list(root_, "extensionsUsed")) is_quantized_ |= name == "KHR_mesh_quantization";
+    }
 
     void check()
     {
+        each("meshes", [&](const json& mesh, const std::string&) { count_joints(mesh); });
         check_tree();
         number_tree();
         each("nodes", [&](const json& node, const std::string& where) { check_node(node, where); });
@@ -92,13 +96,23 @@ private:
             else if (morph_targets(at("meshes", node["mesh"])) != node["weights"].size())
                 report_.warn("needs one weight a morph target", where);
         }
-        if (node.contains("skin") && node.contains("mesh")) {
-            for (const json& primitive : list(at("meshes", node["mesh"]), "primitives"))
-                if (!primitive["attributes"].contains("JOINTS_0")) report_.warn("skin, but its mesh has no joints", where);
-        } else if (node.contains("mesh")) {
-            for (const json& primitive : list(at("meshes", node["mesh"]), "primitives"))
-                if (primitive["attributes"].contains("JOINTS_0")) report_.warn("mesh with joints, but no skin", where);
-        }
+        if (!node.contains("mesh")) return;
+        const Joints joints = joints_of_mesh_[node["mesh"].get<std::size_t>()];
+        if (node.contains("skin") && joints.are_missing) report_.warn("skin, but its mesh has no joints", where);
+        if (!node.contains("skin") && joints.are_there) report_.warn("mesh with joints, but no skin", where);
+    }
+
+    // Says whether some primitives of a mesh have joints, and whether some have none. Many nodes may show the mesh, so its
+    // primitives are searched once.
+    struct Joints {
+        bool are_there = false, are_missing = false;
+    };
+    void count_joints(const json& mesh)
+    {
+        Joints joints;
+        for (const json& primitive : list(mesh, "primitives"))
+            (primitive["attributes"].contains("JOINTS_0") ? joints.are_there : joints.are_missing) = true;
+        joints_of_mesh_.push_back(joints);
     }
 
     // Holds when a walk over the forest enters and leaves a node: the intervals of ancestors enclose those of their
@@ -213,7 +227,8 @@ private:
             return count;
         };
         for (const char* series : {"TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"}) {
-            for (std::size_t i = 0; i < count_of(series); ++i)
+            const std::size_t count = count_of(series);
+            for (std::size_t i = 0; i < count; ++i)
                 if (!attributes.contains(series + std::to_string(i))) {
                     report_.warn(std::string(series) + "n must count from 0 without a gap", where);
                     break;
@@ -235,18 +250,18 @@ private:
     {
         const std::string type = text(accessor, "type");
         const std::int64_t component = integer(accessor, "componentType", 0);
-        const bool is_float = component == 5126, is_quantized = uses("KHR_mesh_quantization");
+        const bool is_float = component == 5126;
         const bool is_unsigned_normal = (component == 5121 || component == 5123) && accessor.value("normalized", false);
         bool fits = true;
         if (name == "POSITION") {
-            fits = type == "VEC3" && (is_float || is_quantized);
+            fits = type == "VEC3" && (is_float || is_quantized_);
             if (!accessor.contains("min") || !accessor.contains("max")) report_.warn("positions without min and max", where);
         } else if (name == "NORMAL") {
-            fits = type == "VEC3" && (is_float || is_quantized);
+            fits = type == "VEC3" && (is_float || is_quantized_);
         } else if (name == "TANGENT") {
-            fits = type == "VEC4" && (is_float || is_quantized);
+            fits = type == "VEC4" && (is_float || is_quantized_);
         } else if (is_series(name, "TEXCOORD_")) {
-            fits = type == "VEC2" && (is_float || is_unsigned_normal || is_quantized);
+            fits = type == "VEC2" && (is_float || is_unsigned_normal || is_quantized_);
         } else if (is_series(name, "COLOR_")) {
             fits = (type == "VEC3" || type == "VEC4") && (is_float || is_unsigned_normal);
         } else if (is_series(name, "JOINTS_")) {
@@ -359,15 +374,10 @@ private:
         }
     }
 
-    bool uses(const char* extension) const
-    {
-        for (const json& name : list(root_, "extensionsUsed"))
-            if (name == extension) return true;
-        return false;
-    }
-
     const json& root_;
     Report& report_;
+    bool is_quantized_ = false;  // the file uses KHR_mesh_quantization
+    std::vector<Joints> joints_of_mesh_;
     std::vector<std::int64_t> parent_;  // by node; -1: none
     std::vector<Interval> interval_;    // by node
     std::map<std::size_t, const json*> attribute_of_view_;

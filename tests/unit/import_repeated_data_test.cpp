@@ -169,5 +169,26 @@ TEST(RepeatedFiles, OfMaterialsAreReadOnce)
     EXPECT_TRUE(scene.warnings.empty());
 }
 
+TEST(RepeatedLists, OfExtensionsAreSearchedOnce)
+{
+    const TempFolder folder;
+    Gltf g = square();
+    g.meshes = R"({"primitives": [{"attributes": {"POSITION": 0, )" +
+               list_of(200'000, [](int i) { return "\"_" + std::to_string(i) + "\": 0"; }) + R"(}, "indices": 1}]})";
+    g.more = R"(, "extensionsUsed": [)" + list_of(200'000, [](int i) { return "\"a" + std::to_string(i) + "\""; }) + "]";
+    EXPECT_EQ(cages(load(g.write(folder))).size(), 1u);
+}
+
+TEST(RepeatedLists, OfPrimitivesAreSearchedOnceForJoints)
+{
+    const TempFolder folder;
+    Gltf g = square();
+    g.meshes = R"({"primitives": [)" + list_of(3, [](int) { return R"({"attributes": {"POSITION": 0}, "indices": 1})"; }) +
+               "]}";
+    g.nodes = R"({"mesh": 0, "skin": 0}, {"name": "joint"})";
+    g.more = R"(, "skins": [{"joints": [1]}])";
+    EXPECT_TRUE(warns(load(g.write(folder)), "skin, but its mesh has no joints (nodes[0])")) << "there are not several";
+}
+
 }  // namespace
 }  // namespace occam::test
