@@ -8,13 +8,13 @@
 
 #include "io/import/files.h"
 #include "io/import/gltf_animation.h"
+#include "io/import/gltf_cage_files.h"
 #include "io/import/gltf_far_nodes.h"
 #include "io/import/gltf_file.h"
 #include "io/import/gltf_instancing.h"
 #include "io/import/gltf_meshes.h"
 #include "io/import/gltf_uri.h"
 #include "io/import/gltf_value.h"
-#include "io/import/obj.h"
 #include "scenegraph/content_rules.h"
 #include "scenegraph/shown_nodes.h"
 
@@ -52,7 +52,8 @@ public:
           model_(open_gltf(report_)),
           accessors_(model_, report_),
           materials_(model_, accessors_, scene_, report_),
-          meshes_(model_, accessors_, materials_, scene_, report_, options_)
+          meshes_(model_, accessors_, materials_, scene_, report_, options_),
+          cage_files_(materials_, scene_, report_, accessors_.copies(), options_)
     {
     }
 
@@ -182,6 +183,7 @@ private:
         instances_ += places.size();
         tidy_instances(places, desc, where);
         if (node.skin >= 0) report_.warn("instances are not deformed by the skin of their node", where);
+        accessors_.copies().charge(places.size(), bytes_of_lists(desc) + desc.name.size(), where);
         NodeDesc instance = desc;
         instance.matrix.reset(), instance.camera = {}, instance.light = {};
         desc.cages.clear(), desc.materials.clear(), desc.morph_weights.clear();
@@ -225,21 +227,17 @@ private:
         const Vec4d rotation = vector_of(node.rotation, Vec4d(0, 0, 0, 1));
         const double length = std::sqrt(glm::dot(rotation, rotation));
         if (length > 0) desc.place.rotation = rotation / length;
-        for (double weight : node.weights) {
-            const auto w = static_cast<float>(weight);
-            if (!std::isfinite(w)) report_.warn("a morph weight is not finite", where);
-            desc.morph_weights.push_back(std::isfinite(w) ? w : 0.0f);
-        }
-
         add_camera(node, desc);
         const tinygltf::Mesh* mesh = node.mesh >= 0 && static_cast<std::size_t>(node.mesh) < model_.meshes.size()
                                          ? &model_.meshes[static_cast<std::size_t>(node.mesh)]
                                          : nullptr;
-        static const tinygltf::Value nothing;
-        const NodeExtras extras = node_extras(node.extras, mesh ? mesh->extras : nothing, where, report_);
-        if (!extras.cage.empty()) desc.cages = {cage_of_file(extras, where)};
+        const NodeExtras extras = node_extras(node.extras, mesh ? extras_of_mesh(node.mesh, where) : NodeExtras(), where,
+                                              report_);
+        if (!extras.cage.empty()) desc.cages = {cage_files_.cage(extras, where)};
         else if (mesh) desc.cages = meshes_.cages(node.mesh, extras.style);
         if (extras.material >= 0) override_materials(extras.material, desc, where);
+        add_weights(node, desc, where);
+        accessors_.copies().charge(1, bytes_of_lists(desc) + (node.name.empty() ? desc.name.size() : 0), where);
         add_light(node, extras, desc, where);
         desc.seen_by = static_cast<std::uint8_t>(RayKind::All & ~extras.hidden_from);
         if (extras.lit_by) {
@@ -247,6 +245,34 @@ private:
             for (const std::string& group : *extras.lit_by) desc.lit_by |= light_group(group, where);
         }
         return desc;
+    }
+
+    // Weights of targets that no primitive has are left out.
+    void add_weights(const tinygltf::Node& node, NodeDesc& desc, const std::string& where)
+    {
+        std::size_t targets = 0;
+        for (const CageId cage : desc.cages) targets = std::max(targets, scene_.cage(cage).cage.morph_targets.size());
+        for (const double weight : node.weights) {
+            const auto w = static_cast<float>(weight);
+            if (!std::isfinite(w)) report_.warn("a morph weight is not finite", where);
+            if (desc.morph_weights.size() < targets) desc.morph_weights.push_back(std::isfinite(w) ? w : 0.0f);
+        }
+    }
+
+    // Returns the bytes that the node has of its own, however many nodes and instances show its mesh.
+    static std::size_t bytes_of_lists(const NodeDesc& desc)
+    {
+        return desc.cages.size() * sizeof(CageId) + desc.materials.size() * sizeof(MaterialId) +
+               desc.morph_weights.size() * sizeof(float);
+    }
+
+    // Many nodes may show the mesh, so its extras are read for the first of them only.
+    const NodeExtras& extras_of_mesh(int mesh, const std::string& where)
+    {
+        const auto [known, is_new] = mesh_extras_.try_emplace(mesh);
+        if (is_new)
+            known->second = node_extras(model_.meshes[static_cast<std::size_t>(mesh)].extras, {}, where + ".mesh", report_);
+        return known->second;
     }
 
     void add_camera(const tinygltf::Node& node, NodeDesc& desc)
@@ -305,9 +331,10 @@ private:
 
     LightGroups light_group(const std::string& name, const std::string& where)
     {
-        constexpr std::size_t kMost = 32;
-        const auto [known, is_new] = light_groups_.try_emplace(name, LightGroups(1) << light_groups_.size() % kMost);
-        if (light_groups_.size() > kMost) throw Error(report_.name(), "a scene has at most 32 light groups", where);
+        const auto [known, is_new] = light_groups_.try_emplace(name, LightGroups(1)
+                                                                         << light_groups_.size() % kMostLightGroups);
+        if (light_groups_.size() > kMostLightGroups)
+            throw Error(report_.name(), "a scene has at most 32 light groups", where);
         return known->second;
     }
 
@@ -324,25 +351,6 @@ private:
         std::size_t slots = 1;
         for (CageId cage : desc.cages) slots = std::max(slots, scene_.cage(cage).cage.materials.size());
         desc.materials.assign(slots, id);
-    }
-
-    CageId cage_of_file(const NodeExtras& extras, const std::string& where)
-    {
-        const auto [known, is_new] = cage_files_.try_emplace({extras.cage, extras.style});
-        if (!is_new) return known->second;
-        const auto path = inside(report_.file().parent_path(), decode_uri(extras.cage));
-        if (!path) throw Error(report_.name(), "the cage is not in the scene's folder: " + extras.cage, where);
-        Report report(*path, options_.strict);
-        Polygons polygons = read_obj(*path, scene_, extras.material < 0, report);
-        const bool is_cage = extras.style.scheme.value_or(CageStyle::Scheme::CatmullClark) != CageStyle::Scheme::None;
-        // The prefix hides a scheme in the name of the cage, since the node's scheme has priority.
-        if (extras.style.scheme) polygons.cage.name.insert(0, "cage ");
-        Cage cage = settle(std::move(polygons), is_cage ? Subdivide::On : Subdivide::Off, report).cage;
-        extras.style.apply(cage);
-        if (extras.style.displacement) cage.displacement = materials_.displacement(*extras.style.displacement, where);
-        for (const std::filesystem::path& file : report.files()) report_.add_file(file);
-        for (const std::string& line : report.lines()) scene_.warnings.push_back(extras.cage + ": " + line);
-        return known->second = scene_.add(std::move(cage));
     }
 
     void add_environment()
@@ -371,12 +379,13 @@ private:
     AccessorReader accessors_;
     MaterialImporter materials_;
     MeshImporter meshes_;
+    CageFiles cage_files_;
     std::vector<NodeId> nodes_;                              // one for each node of the file
     std::map<std::pair<int, LightGroups>, LightId> lights_;  // punctual ones, by index and groups
     std::size_t instances_ = 0;                              // instances of EXT_mesh_gpu_instancing so far
     std::map<std::string, LightGroups> light_groups_;
     LightGroups groups_with_lights_ = 0;
-    std::map<std::pair<std::string, CageStyle>, CageId> cage_files_;
+    std::unordered_map<int, NodeExtras> mesh_extras_;  // by mesh
     std::unordered_map<CageId, std::size_t> joints_needed_;
 };
 

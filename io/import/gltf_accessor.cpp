@@ -130,7 +130,8 @@ struct Extremes {
 
 struct AccessorReader::Layout : Elements {};
 
-AccessorReader::AccessorReader(const tinygltf::Model& model, const Report& report) : model_(model), report_(report)
+AccessorReader::AccessorReader(const tinygltf::Model& model, const Report& report)
+    : model_(model), report_(report), copies_(report)
 {
     expansion_bytes_ = kSpareBytes;
     for (const tinygltf::Buffer& buffer : model.buffers) expansion_bytes_ += kExpansion * buffer.data.size();

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "base/vec.h"
+#include "io/import/copy_budget.h"
 #include "io/import/report.h"
 
 namespace occam::import {
@@ -34,6 +35,9 @@ public:
     /// Returns the bytes of a buffer view; throws Error if they are not in its buffer.
     std::span<const unsigned char> view(int buffer_view, const std::string& where) const;
 
+    /// Returns the limit to what elements other than accessors may have many copies of.
+    CopyBudget& copies() noexcept { return copies_; }
+
 private:
     struct Layout;
     Layout locate(int accessor, int width);
@@ -47,6 +51,7 @@ private:
     const tinygltf::Model& model_;
     const Report& report_;
     std::size_t expansion_bytes_;  ///< bounds what accessors expand to, since many of them may show the same bytes
+    CopyBudget copies_;
 };
 
 }  // namespace occam::import

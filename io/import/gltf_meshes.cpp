@@ -74,14 +74,16 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
     std::vector<CageId>& ids = entry->second;
     if (!is_new || mesh < 0 || static_cast<std::size_t>(mesh) >= model_.meshes.size()) return ids;
     const tinygltf::Mesh& m = model_.meshes[static_cast<std::size_t>(mesh)];
-    const std::string where = "meshes[" + std::to_string(mesh) + "]" + (m.name.empty() ? "" : " '" + m.name + "'");
+    const std::string where = named_element("meshes", static_cast<std::size_t>(mesh), m.name);
     const bool is_cage = style.scheme ? *style.scheme != CageStyle::Scheme::None : options_.subdivide == Subdivide::On;
 
+    accessors_.copies().charge(m.primitives.size(), m.name.size(), where);
     std::vector<PrimitiveCage> parts;
     for (std::size_t p = 0; p < m.primitives.size(); ++p)
         if (std::optional<PrimitiveCage> part = read(m.primitives[p], where + ".primitives[" + std::to_string(p) + "]")) {
             part->cage.name = m.name;
-            for (double weight : m.weights) part->cage.morph_weights.push_back(static_cast<float>(weight));
+            const auto weights = std::span(m.weights).first(std::min(m.weights.size(), part->cage.morph_targets.size()));
+            for (const double weight : weights) part->cage.morph_weights.push_back(static_cast<float>(weight));
             parts.push_back(*std::move(part));
         }
     const auto add = [&](Cage cage) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <unordered_set>
 
 #include "io/import/gltf_value.h"
 
@@ -27,8 +28,7 @@ public:
     std::string string(const std::string& key)
     {
         const Value* v = find(key);
-        if (v && !v->IsString()) refuse(key + " must be a string");
-        return v ? v->Get<std::string>() : std::string();
+        return v ? string(*v, key + " must be a string") : std::string();
     }
     std::optional<float> number(const std::string& key)
     {
@@ -68,15 +68,17 @@ public:
         }
         refuse(key + " must be one of " + known);
     }
+    /// Returns each string of an array once, in the order of the array.
     std::optional<std::vector<std::string>> strings(const std::string& key)
     {
         const Value* v = find(key);
         if (!v) return std::nullopt;
         if (!v->IsArray()) refuse(key + " must be an array of strings");
         std::vector<std::string> list;
+        std::unordered_set<std::string> known;
         for (std::size_t i = 0; i < v->ArrayLen(); ++i) {
-            if (!v->Get(i).IsString()) refuse(key + " must be an array of strings");
-            list.push_back(v->Get(i).Get<std::string>());
+            const std::string& text = string(v->Get(i), key + " must be an array of strings");
+            if (known.insert(text).second) list.push_back(text);
         }
         return list;
     }
@@ -89,6 +91,16 @@ public:
     [[noreturn]] void refuse(const std::string& what) const { throw Error(report_.name(), what, where_); }
 
 private:
+    // Every node that shows a mesh has copies of its strings, so their length is limited. It is that of a path.
+    const std::string& string(const Value& value, const std::string& otherwise) const
+    {
+        constexpr std::size_t kMost = 4096;
+        if (!value.IsString()) refuse(otherwise);
+        const std::string& text = value.Get<std::string>();
+        if (text.size() > kMost) refuse("a string is longer than " + std::to_string(kMost) + " bytes");
+        return text;
+    }
+
     const Value& value_;
     std::string where_;
     Report& report_;
@@ -170,24 +182,6 @@ DisplacementExtras displacement(const Value& value, const std::string& where, Re
     return out;
 }
 
-void add(const Value& extras, const std::string& where, Report& report, NodeExtras& out)
-{
-    Reader reader(member(extras, "occam"), where + ".extras.occam", report);
-    if (const std::string cage = reader.string("cage"); !cage.empty()) out.cage = cage;
-    if (const auto scheme = reader.choice("scheme", kSchemes)) out.style.scheme = scheme;
-    if (const auto boundary = reader.choice("boundary", kBoundaries)) out.style.boundary = boundary;
-    if (const auto rule = reader.choice("face_varying", kFaceVarying)) out.style.face_varying = rule;
-    out.material = reader.index("material").value_or(out.material);
-    if (const Value* light = reader.find("area_light"))
-        out.area_light = area_light(*light, where + ".extras.occam.area_light", report);
-    if (const auto kinds = reader.strings("hidden_from")) out.hidden_from = ray_kinds(*kinds, reader);
-    if (const std::string group = reader.string("light_group"); !group.empty()) out.light_group = group;
-    if (auto groups = reader.strings("lit_by")) out.lit_by = std::move(groups);
-    if (const Value* moves = reader.find("displacement"))
-        out.style.displacement = displacement(*moves, where + ".extras.occam.displacement", report);
-    reader.warn_unknown();
-}
-
 }  // namespace
 
 void CageStyle::apply(Cage& cage) const
@@ -198,12 +192,27 @@ void CageStyle::apply(Cage& cage) const
     if (face_varying) cage.face_varying = *face_varying;
 }
 
-NodeExtras node_extras(const Value& node, const Value& mesh, const std::string& where, Report& report)
+NodeExtras node_extras(const Value& value, NodeExtras below, const std::string& where, Report& report)
 {
-    NodeExtras extras;
-    add(mesh, where + ".mesh", report, extras);
-    add(node, where, report, extras);
-    return extras;
+    NodeExtras out = std::move(below);
+    Reader reader(member(value, "occam"), where + ".extras.occam", report);
+    if (const std::string cage = reader.string("cage"); !cage.empty()) out.cage = cage;
+    if (const auto scheme = reader.choice("scheme", kSchemes)) out.style.scheme = scheme;
+    if (const auto boundary = reader.choice("boundary", kBoundaries)) out.style.boundary = boundary;
+    if (const auto rule = reader.choice("face_varying", kFaceVarying)) out.style.face_varying = rule;
+    out.material = reader.index("material").value_or(out.material);
+    if (const Value* light = reader.find("area_light"))
+        out.area_light = area_light(*light, where + ".extras.occam.area_light", report);
+    if (const auto kinds = reader.strings("hidden_from")) out.hidden_from = ray_kinds(*kinds, reader);
+    if (const std::string group = reader.string("light_group"); !group.empty()) out.light_group = group;
+    if (auto groups = reader.strings("lit_by")) {
+        if (groups->size() > kMostLightGroups) reader.refuse("a scene has at most 32 light groups");
+        out.lit_by = std::move(groups);
+    }
+    if (const Value* moves = reader.find("displacement"))
+        out.style.displacement = displacement(*moves, where + ".extras.occam.displacement", report);
+    reader.warn_unknown();
+    return out;
 }
 
 std::optional<BumpExtras> bump_extras(const Value& material, const std::string& where, Report& report)

@@ -38,6 +38,8 @@ struct CageStyle {
     void apply(Cage& cage) const;
 };
 
+inline constexpr std::size_t kMostLightGroups = 32;  ///< one for each bit of LightGroups
+
 struct NodeExtras {
     std::string cage;  ///< relative path as written; empty: none
     CageStyle style;
@@ -45,16 +47,16 @@ struct NodeExtras {
     std::optional<AreaLight> area_light;
     std::uint8_t hidden_from = 0;                    ///< bits of RayKind
     std::string light_group;                         ///< group of the node's light; empty: it lights everything
-    std::optional<std::vector<std::string>> lit_by;  ///< groups; none: by all lights
+    std::optional<std::vector<std::string>> lit_by;  ///< groups, each once; none: by all lights
 };
 struct EnvironmentExtras {
     std::string image;
     float rotation_deg = 0, strength = 1;
 };
 
-/// Reads the additions of a node over those of its mesh; the node's have priority. Unknown keys are warnings, wrong types
-/// throw Error.
-NodeExtras node_extras(const tinygltf::Value& node, const tinygltf::Value& mesh, const std::string& where, Report& report);
+/// Returns the additions of a node or mesh over those of `below`, which for a node are those of its mesh. Unknown keys are
+/// warnings, wrong types throw Error.
+NodeExtras node_extras(const tinygltf::Value& value, NodeExtras below, const std::string& where, Report& report);
 std::optional<BumpExtras> bump_extras(const tinygltf::Value& material, const std::string& where, Report& report);
 std::optional<EnvironmentExtras> environment_extras(const tinygltf::Value& scene, const std::string& where, Report& report);
 

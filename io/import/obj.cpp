@@ -164,6 +164,7 @@ Polygons read_obj(const std::filesystem::path& file, Scene& scene, bool with_mat
     polygons.cage.name = file.stem().string();
     const ObjStatements statements = scan_obj_statements(text, polygons.cage, report);
     polygons.is_tagged = statements.is_tagged;
+    polygons.has_libraries = !statements.material_libraries.empty();
     polygons.smoothing = statements.smoothing;
     std::optional<std::map<std::string, MaterialId>> materials;
     if (with_materials) materials = read_mtl(statements.material_libraries, file.parent_path(), scene, report);

@@ -18,6 +18,7 @@ struct Polygons {
     std::vector<std::uint32_t> normal_indices;  ///< one a corner, kNoIndex for none; empty: no normals
     std::vector<std::uint32_t> smoothing;       ///< the smoothing group of each face, 0 for flat; empty: all are flat
     bool is_tagged = false;                     ///< the file says something about subdivision
+    bool has_libraries = false;                 ///< the file names libraries of materials, be they read or not
 };
 
 /// Holds what settle() made of polygons, and the line that reports the choice; the line is empty where there was no choice.

@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "io/import/copy_budget.h"
 #include "tests/support/bytes_read.h"
 #include "tests/support/gltf_scene.h"
 #include "tests/support/import_errors.h"
@@ -169,6 +170,139 @@ TEST(RepeatedFiles, OfMaterialsAreReadOnce)
     EXPECT_TRUE(scene.warnings.empty());
 }
 
+TEST(RepeatedFiles, OfCagesAreReadOnce)
+{
+    const TempFolder folder;
+    folder.write("c.obj", kQuad + std::string("f 1 2 3 4\n#") + std::string(500'000, '#') + "\n");
+    Gltf g;
+    g.nodes = list_of(50, [](int i) { return R"({"extras": {"occam": {"cage": ")" + spelling(i, "c.obj") + R"("}}})"; });
+    const auto file = g.write(folder);
+    const std::size_t before = bytes_read();
+    EXPECT_EQ(load(file).counts().cages, 1u);
+    EXPECT_LT(bytes_read() - before, kMega);
+}
+
+// The first node's style must not show on the others.
+TEST(RepeatedFiles, OfCagesInManyStylesAreReadOnce)
+{
+    const TempFolder folder;
+    folder.write("c.obj",
+                 kQuad + std::string("vt 0 0\nvt 1 0\nvt 1 1\nf 1/1 2/2 3/3 4/3\n#") + std::string(500'000, '#') + "\n");
+    folder.write("a.ppm", large_image());
+    Gltf g;
+    g.nodes = list_of(50, [](int i) {
+        std::string style = i == 0 ? R"(, "boundary": "none", "face_varying": "all")" : "";
+        if (i < 49) style += R"(, "displacement": {"texture": 0, "scale": )" + std::to_string(i + 1) + "}";
+        return R"({"extras": {"occam": {"cage": "c.obj")" + style + "}}}";
+    });
+    g.more = images(
+        1, [](int) { return R"({"uri": "a.ppm"})"; }, true);
+    const auto file = g.write(folder);
+    const std::size_t before = bytes_read();
+    const Scene scene = load(file);
+    EXPECT_LT(bytes_read() - before, 2 * kMega);
+    const auto list = cages(scene);
+    ASSERT_EQ(list.size(), 50u);
+    EXPECT_EQ(list[0]->boundary, BoundaryRule::None);
+    EXPECT_EQ(list[0]->face_varying, FaceVaryingRule::All);
+    EXPECT_EQ(list[48]->boundary, BoundaryRule::EdgeAndCorner);
+    EXPECT_EQ(list[48]->face_varying, FaceVaryingRule::CornersPlus1);
+    ASSERT_TRUE(list[48]->displacement);
+    EXPECT_EQ(list[48]->displacement->scale, 49);
+    EXPECT_FALSE(list[49]->displacement);
+    EXPECT_EQ(list[49]->positions, list[0]->positions);
+}
+
+TEST(CopyBudget, LetsCopiesOfLargeThingsBeLarger)
+{
+    const import::Report report("a.gltf", false);
+    import::CopyBudget budget(report);
+    constexpr std::size_t kGiga = std::size_t(1) << 30, kMost = ~std::size_t(0);
+    budget.charge(kMost, 0, "nodes[0]");
+    budget.charge(1, kGiga / 2, "nodes[1]");
+    EXPECT_THROW(budget.charge(1, 1, "nodes[2]"), Error);
+    budget.allow_copies_of(kGiga);
+    budget.charge(16, kGiga, "nodes[3]");
+    EXPECT_THROW(budget.charge(1, 1, "nodes[4]"), Error);
+    EXPECT_THROW(budget.charge(kMost, kMost, "nodes[5]"), Error);
+}
+
+TEST(RepeatedLists, OfWeightsAreNoLongerThanThoseOfTargets)
+{
+    const TempFolder folder;
+    Gltf g = square(R"(, "targets": [{"POSITION": 0}])");
+    const std::string weights = R"("weights": [)" + list_of(1000, [](int i) { return std::to_string(i + 1); }) + "]";
+    g.meshes.insert(g.meshes.size() - 1, ", " + weights);
+    g.nodes = R"({"mesh": 0, )" + weights + "}";
+    const Scene scene = load(g.write(folder));
+    const Cage& cage = only_cage(scene);
+    EXPECT_EQ(cage.morph_weights, std::vector<float>{1});
+    EXPECT_EQ(cage.morph_weights.capacity(), 1u);
+    scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+        if (node.cages.empty()) return;
+        EXPECT_EQ(node.morph_weights, std::vector<float>{1});
+        EXPECT_EQ(node.morph_weights.capacity(), 1u);
+    });
+    EXPECT_TRUE(warns(scene, "needs one weight a morph target"));
+}
+
+// Returns a node whose 20,000 instances lie apart from each other.
+Gltf instanced(Gltf g, const std::string& node_more)
+{
+    constexpr int kCount = 20'000;
+    const std::size_t offset = g.put<float>({});
+    for (int i = 0; i < 3 * kCount; ++i) {
+        const auto value = float(10 * i);
+        g.bin.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    g.buffer_views.resize(g.buffer_views.rfind(", {"));
+    g.buffer_views += R"(, {"buffer": 0, "byteOffset": )" + std::to_string(offset) + R"(, "byteLength": )" +
+                      std::to_string(12 * kCount) + "}";
+    g.accessor(R"({"bufferView": 2, "componentType": 5126, "count": )" + std::to_string(kCount) + R"(, "type": "VEC3"})");
+    g.nodes = R"({"mesh": 0, )" + node_more +
+              R"(, "extensions": {"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 2}}}})";
+    g.more = R"(, "extensionsUsed": ["EXT_mesh_gpu_instancing"])";
+    return g;
+}
+
+TEST(RepeatedLists, OfInstancesAreRefusedIfTheyAreVeryLong)
+{
+    const TempFolder folder;
+    const std::string targets = list_of(8000, [](int) { return R"({"POSITION": 0})"; });
+    const std::string weights = R"("weights": [)" + list_of(8000, [](int) { return std::string("1"); }) + "]";
+    const Gltf morphed = instanced(square(R"(, "targets": [)" + targets + "]"), weights);
+    EXPECT_NE(error_of(morphed.write(folder)).find(kCopies), std::string::npos);
+    const Gltf named = instanced(square(), R"("name": ")" + std::string(30'000, 'a') + "\"");
+    EXPECT_NE(error_of(named.write(folder)).find(kCopies), std::string::npos);
+    EXPECT_EQ(error_of(instanced(square(), R"("name": "a")").write(folder)), "");
+}
+
+TEST(RepeatedLists, OfNodesAreRefusedIfTheyAreVeryLong)
+{
+    const TempFolder folder;
+    Gltf g = square();
+    g.meshes = R"({"primitives": [)" +
+               list_of(8000, [](int) { return R"({"attributes": {"POSITION": 0}, "indices": 1})"; }) +
+               R"(], "extras": {"occam": {"scheme": "bilinear", "material": 0}}})";
+    g.nodes = list_of(20'000, [](int) { return R"({"mesh": 0})"; });
+    g.more = R"(, "materials": [{"name": "gold"}])";
+    EXPECT_NE(error_of(g.write(folder)).find(kCopies), std::string::npos);
+    g.nodes = R"({"mesh": 0}, {"mesh": 0})";
+    EXPECT_EQ(error_of(g.write(folder)), "");
+}
+
+TEST(RepeatedLists, OfNamesAreRefusedIfTheyAreVeryLong)
+{
+    const TempFolder folder;
+    Gltf g = square();
+    const std::string primitive = R"({"attributes": {"POSITION": 0}, "indices": 1})";
+    for (const int count : {3, 3000}) {
+        g.meshes = R"({"name": ")" + std::string(200'000, 'a') + R"(", "primitives": [)" +
+                   list_of(count, [&](int) { return primitive; }) + "]}";
+        EXPECT_EQ(error_of(g.write(folder)).find(kCopies) == std::string::npos, count == 3);
+    }
+}
+
 TEST(RepeatedLists, OfExtensionsAreSearchedOnce)
 {
     const TempFolder folder;
@@ -177,6 +311,36 @@ TEST(RepeatedLists, OfExtensionsAreSearchedOnce)
                list_of(200'000, [](int i) { return "\"_" + std::to_string(i) + "\": 0"; }) + R"(}, "indices": 1}]})";
     g.more = R"(, "extensionsUsed": [)" + list_of(200'000, [](int i) { return "\"a" + std::to_string(i) + "\""; }) + "]";
     EXPECT_EQ(cages(load(g.write(folder))).size(), 1u);
+}
+
+TEST(RepeatedLists, OfTheExtrasOfAMeshAreReadOnce)
+{
+    const TempFolder folder;
+    Gltf g = square();
+    g.meshes.insert(g.meshes.size() - 1, R"(, "extras": {"occam": {"boundary": "none", "key": 1, "lit_by": ["a", "a"]}})");
+    g.nodes = R"({"mesh": 0}, {"mesh": 0, "extras": {"occam": {"scheme": "bilinear"}}}, {"mesh": 0})";
+    const Scene scene = load(g.write(folder));
+    const auto list = cages(scene);
+    ASSERT_EQ(list.size(), 3u);
+    EXPECT_EQ(list[0], list[2]);
+    EXPECT_EQ(list[1]->boundary, BoundaryRule::None);
+    EXPECT_TRUE(warns(scene, "unknown key 'key' (nodes[0].mesh.extras.occam)")) << "there are not several";
+}
+
+TEST(RepeatedLists, OfStringsInExtrasAreNotVeryLong)
+{
+    const TempFolder folder;
+    const auto error_with = [&](const std::string& extras) {
+        Gltf g = square();
+        g.nodes = R"({"mesh": 0, "extras": {"occam": {)" + extras + "}}}";
+        return error_of(g.write(folder));
+    };
+    const std::string text = "\"" + std::string(5000, 'a') + "\"";
+    for (const std::string key : {"cage", "light_group"})
+        EXPECT_NE(error_with("\"" + key + "\": " + text).find("longer than 4096 bytes"), std::string::npos) << key;
+    EXPECT_NE(error_with("\"lit_by\": [" + text + "]").find("longer than 4096 bytes"), std::string::npos);
+    const std::string groups = list_of(33, [](int i) { return "\"" + std::to_string(i) + "\""; });
+    EXPECT_NE(error_with("\"lit_by\": [" + groups + "]").find("at most 32 light groups"), std::string::npos);
 }
 
 TEST(RepeatedLists, OfPrimitivesAreSearchedOnceForJoints)
