@@ -80,7 +80,8 @@ std::vector<int> same_images(const tinygltf::Model& model, const std::filesystem
     return first;
 }
 
-// Views that overlap would each have a copy of the bytes, so their sum is limited. Those of ordinary files do not.
+// Views that overlap would each have a copy of the bytes, so their sum is limited. Those of ordinary files do not overlap;
+// an image that nothing but displacements uses counts twice, since it is opened before they are met.
 std::size_t most_view_bytes(const tinygltf::Model& model)
 {
     std::size_t bytes = std::size_t(16) << 20;
