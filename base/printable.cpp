@@ -19,6 +19,9 @@ std::size_t character_length(std::string_view text) noexcept
     if (first < 0xc2 || length == 0 || text.size() < length) return 0;
     if (!std::all_of(text.begin() + 1, text.begin() + std::ptrdiff_t(length), continues)) return 0;
     const auto second = static_cast<unsigned char>(text[1]);
+    // The second byte tells overlong forms of three and four bytes, surrogates and what lies above U+10FFFF.
+    if ((first == 0xe0 && second < 0xa0) || (first == 0xed && second >= 0xa0)) return 0;
+    if ((first == 0xf0 && second < 0x90) || (first == 0xf4 && second >= 0x90)) return 0;
     // U+0080 to U+009F are control characters, and U+2028 and U+2029 end lines.
     if (first == 0xc2 && second < 0xa0) return 0;
     if (first == 0xe2 && second == 0x80 && (text[2] == '\xa8' || text[2] == '\xa9')) return 0;

@@ -25,6 +25,19 @@ TEST(Error, HoldsNoControlCharacters)
                  "Caf\u00e9/\u6a21\u578b/\U0001f600.obj: is missing");
 }
 
+// A terminal may take these for other characters, for controls among them (Unicode 15, table 3-7).
+TEST(Error, HoldsNoFormsOfUtf8ThatAreNotAllowed)
+{
+    EXPECT_STREQ(Error("", "\xc0\x9b \xe0\x82\x9b \xf0\x80\x82\x9b").what(),
+                 "\\xc0\\x9b \\xe0\\x82\\x9b \\xf0\\x80\\x82\\x9b")
+        << "overlong";
+    EXPECT_STREQ(Error("", "\xed\xa0\x80 \xed\xbf\xbf").what(), "\\xed\\xa0\\x80 \\xed\\xbf\\xbf") << "surrogates";
+    EXPECT_STREQ(Error("", "\xf4\x90\x80\x80 \xf5\x80\x80\x80").what(), "\\xf4\\x90\\x80\\x80 \\xf5\\x80\\x80\\x80")
+        << "above U+10FFFF";
+    const char* at_the_limits = "\u0800 \ud7ff \ue000 \uffff \U00010000 \U0010ffff";
+    EXPECT_STREQ(Error("", at_the_limits).what(), at_the_limits);
+}
+
 TEST(Error, IsShortWhateverItNames)
 {
     std::string name;
