@@ -87,15 +87,16 @@ void TextureEntry::decode()
     try {
         const TextureSource source(description_);
         if (source.width() != width_ || source.height() != height_)
-            throw Error(description_.name, "the image has changed while the scene was rendered");
+            throw Error(name_of(description_), "the image has changed while the scene was rendered");
         decoded_ = std::make_unique<const MipImage>(source.decode(keeping_.halvings, keeping_.is_weighted));
         description_.pixels = {};
         if (const std::size_t texels = decoded_->clamped_texels())
-            warnings_.push_back(description_.name + ": texels that are not finite numbers, or above 65504, were clamped: " +
-                                std::to_string(texels));
+            warnings_.push_back(
+                name_of(description_) +
+                ": texels that are not finite numbers, or above 65504, were clamped: " + std::to_string(texels));
         const bool is_color = description_.role == TextureRole::Color;
         if (const std::size_t texels = decoded_->texels_below_0(); is_color && texels > 0)
-            warnings_.push_back(description_.name +
+            warnings_.push_back(name_of(description_) +
                                 ": texels with a colour below 0, which counts as 0: " + std::to_string(texels));
     } catch (const std::bad_alloc&) {
         lacks_memory_ = true;  // a line for it would need memory, too

@@ -3,13 +3,18 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
+#include "base/srgb.h"
 #include "io/texture/decode.h"
+#include "io/texture/texture_entry.h"
 #include "io/texture/texture_store.h"
+#include "render/image.h"
 #include "scenegraph/scene.h"
 #include "tests/support/temp_folder.h"
 
@@ -72,6 +77,26 @@ Vec4f texel_of(std::vector<std::string> channels)
     std::vector<float> values;
     for (std::size_t c = 0; c < channels.size(); ++c) values.push_back(0.25f * float(c + 1));
     return Loaded(write(folder, floats(1, 1, std::move(channels)), values)).at(0.5f, 0.5f);
+}
+
+// A texture that has only a path is named by it.
+TEST(TextureDecode, EveryMessageNamesTheFile)
+{
+    const test::TempFolder folder;
+    const float infinite = std::numeric_limits<float>::infinity();
+    OIIO::ImageSpec spec = floats(2, 2, {"R", "G", "B"});
+    const auto path = write(folder, spec, {-1, 0, 0, infinite, 0, 0, 0, 0, 0, 0, 0, 0});
+    const auto expect_names = [&](const std::vector<std::string>& lines, std::size_t count) {
+        EXPECT_EQ(lines.size(), count);
+        for (const std::string& line : lines) EXPECT_TRUE(line.starts_with(path.string() + ": ")) << line;
+    };
+    expect_names(Loaded(path).store.warnings(), 2);
+
+    std::atomic<bool> has_failed = false;
+    TextureEntry entry(texture_of(path), has_failed);
+    write(folder, floats(1, 2, {"R", "G", "B"}), std::vector<float>(6));
+    entry.image(MipImage(1, 1));
+    expect_names(entry.errors(), 1);
 }
 
 TEST(TextureDecode, ChannelsOfOpenExrAreWhatTheirNamesSay)
