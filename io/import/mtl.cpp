@@ -31,6 +31,7 @@ Vec3f not_negative(const float (&c)[3])
 }
 
 bool is_given(float x) { return x != kNotGiven; }
+bool is_given(const float (&c)[3]) { return is_given(c[0]) || is_given(c[1]) || is_given(c[2]); }
 
 // Returns true for the illumination model of MTL that has a Lambertian surface without highlights, unless values of the
 // extension for physically based rendering say more.
@@ -204,10 +205,7 @@ private:
     void warn_of_ranges(const tinyobj::material_t& m)
     {
         const auto is_unit = [](float x) { return !is_given(x) || (x >= 0 && x <= 1); };
-        const auto is_color = [](const float(&c)[3]) {
-            const bool is_given_at_all = is_given(c[0]) || is_given(c[1]) || is_given(c[2]);
-            return !is_given_at_all || not_negative(c) == Vec3f(c[0], c[1], c[2]);
-        };
+        const auto is_color = [](const float(&c)[3]) { return !is_given(c) || not_negative(c) == Vec3f(c[0], c[1], c[2]); };
         warn_of_range(m, "Kd", is_color(m.diffuse));
         warn_of_range(m, "Ke", is_color(m.emission));
         warn_of_range(m, "d", is_unit(m.dissolve));
@@ -226,9 +224,9 @@ private:
         warn_of_ranges(m);
         Material material;
         material.name = m.name;
-        Vec3f diffuse = not_negative(m.diffuse);
+        Vec3f diffuse = is_given(m.diffuse) ? not_negative(m.diffuse) : Vec3f(1);  // white, as without a material
         if (!m.diffuse_texname.empty()) {
-            // Exporters write black or nothing beside a map and mean the map alone.
+            // Exporters write black beside a map and mean the map alone.
             if (diffuse == Vec3f(0)) diffuse = Vec3f(1);
             material.base_color_texture = texture(m.diffuse_texname, m.diffuse_texopt, TextureRole::Color);
             if (!material.base_color_texture) diffuse *= kMissingColor;

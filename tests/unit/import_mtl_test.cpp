@@ -276,5 +276,14 @@ TEST(ImportMtl, PathsMayHaveBackslashes)
     EXPECT_TRUE(loaded.scene.warnings.empty());
 }
 
+TEST(ImportMtl, AMaterialWithoutAColourIsWhite)
+{
+    EXPECT_EQ(Loaded("Ns 10\n").material.base_color, Vec4f(1));
+    EXPECT_TRUE(Loaded("Ns 10\n").scene.warnings.empty());
+    EXPECT_EQ(Loaded("d 0.5\n").material.base_color, Vec4f(1, 1, 1, 0.5f));
+    EXPECT_EQ(Loaded("Kd 0 0 0\n").material.base_color, Vec4f(0, 0, 0, 1)) << "this one is given";
+    EXPECT_EQ(Loaded("map_Kd none.png\n").material.base_color, Vec4f(0.5f, 0.5f, 0.5f, 1)) << "grey";
+}
+
 }  // namespace
 }  // namespace occam
