@@ -39,11 +39,17 @@ std::string read_file(const fs::path& file, std::size_t max_bytes)
     return bytes;
 }
 
-std::string read_text(const fs::path& file, std::size_t max_bytes)
+std::string_view without_mark(std::string_view text) noexcept
 {
     constexpr std::string_view kMark = "\xef\xbb\xbf";
+    if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
+    return text;
+}
+
+std::string read_text(const fs::path& file, std::size_t max_bytes)
+{
     std::string text = read_file(file, max_bytes);
-    if (text.starts_with(kMark)) text.erase(0, kMark.size());
+    text.erase(0, text.size() - without_mark(text).size());
     return text;
 }
 

@@ -35,7 +35,10 @@ private:
 /// Returns the whole file. Throws the same errors as FileReader.
 std::string read_file(const std::filesystem::path& file, std::size_t max_bytes = kMaxFileBytes);
 
-/// Returns the whole of a text, without the mark that some editors put before UTF-8. Throws the same errors.
+/// Returns the text without the mark that some editors put before UTF-8.
+std::string_view without_mark(std::string_view text) noexcept;
+
+/// Returns the whole of a text, without that mark. Throws the same errors as FileReader.
 std::string read_text(const std::filesystem::path& file, std::size_t max_bytes = kMaxFileBytes);
 
 /// Returns the path of `relative` (with generic separators) under `folder`, or none if it is absolute or leads out of the

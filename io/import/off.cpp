@@ -187,7 +187,7 @@ private:
 Scene load_off(const std::filesystem::path& file, const LoadOptions& options)
 {
     Report report(file, options.strict);
-    const std::string text = read_file(file);
+    const std::string text = read_text(file);
     return scene_of(OffReader(text, report).read(), options, report);
 }
 

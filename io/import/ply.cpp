@@ -377,7 +377,7 @@ private:
 Scene load_ply(const std::filesystem::path& file, const LoadOptions& options)
 {
     Report report(file, options.strict);
-    const std::string bytes = read_file(file);
+    const std::string bytes = read_text(file);
     return scene_of(PlyReader(bytes, report).read(), options, report);
 }
 

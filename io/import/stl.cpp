@@ -25,7 +25,7 @@ std::uint32_t u32(std::string_view bytes, std::size_t at)
 bool is_binary(std::string_view bytes, const Report& report)
 {
     if (bytes.size() < kHeaderBytes) return false;
-    const bool begins_as_text = bytes.starts_with("solid");
+    const bool begins_as_text = without_mark(bytes).starts_with("solid");
     const bool has_zero = bytes.substr(0, kHeaderBytes).find('\0') != std::string_view::npos;
     const std::size_t facets = u32(bytes, 80);
     if ((bytes.size() - kHeaderBytes) / kFacetBytes < facets) {
@@ -111,7 +111,7 @@ Scene load_stl(const std::filesystem::path& file, const LoadOptions& options)
 {
     Report report(file, options.strict);
     const std::string bytes = read_file(file);
-    Polygons polygons = is_binary(bytes, report) ? read_binary(bytes, report) : read_ascii(bytes, report);
+    Polygons polygons = is_binary(bytes, report) ? read_binary(bytes, report) : read_ascii(without_mark(bytes), report);
     if (polygons.cage.positions.size() > 0x7fffffff) throw Error(report.name(), "more than 2^31 vertices");
     weld_by_position(polygons.cage);
     return scene_of(std::move(polygons), options, report);

@@ -1,10 +1,11 @@
 // A position in a text of numbers and words, which never leaves the text. Lines end with LF, CR LF or CR alone.
 #pragma once
 
-#include <charconv>
 #include <optional>
 #include <span>
 #include <string_view>
+
+#include "base/number_in.h"
 
 namespace occam::import {
 
@@ -24,14 +25,14 @@ public:
         while (at_ < text_.size() && !is_space(text_[at_])) ++at_;
         return text_.substr(begin, at_ - begin);
     }
-    /// Returns the next word as a number; none if it is something else.
+    /// Returns the next word as a number; none if it is something else, or too large. What is too small is 0.
     std::optional<double> number()
     {
         skip_space();
         const char *begin = text_.data() + at_, *end = text_.data() + text_.size();
         if (begin != end && *begin == '+') ++begin;
         double value = 0;
-        const auto [after, error] = std::from_chars(begin, end, value);
+        const auto [after, error] = read_number(begin, end, value);
         if (error != std::errc() || (after != end && !is_space(*after))) return std::nullopt;
         at_ = static_cast<std::size_t>(after - text_.data());
         return value;

@@ -127,6 +127,52 @@ TEST(PolygonLines, OfPlyMayHaveFacesBeforeTheirVertices)
     EXPECT_EQ(only_cage(other).normals, only_cage(usual).normals);
 }
 
+TEST(PolygonLines, MayFollowAByteOrderMark)
+{
+    const TempFolder folder;
+    const std::string mark = "\xef\xbb\xbf";
+    const std::string stl =
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\nendsolid\n";
+    const std::string binary = ply("element vertex 4\n" + kXyz + kFace, square_bytes(), "binary_little_endian");
+    const std::pair<const char*, std::string> files[] = {
+        {"a.ply", square_ply()}, {"b.ply", binary}, {"a.off", "OFF\n4 1 0\n" + kPlaces + "4 0 1 2 3\n"}, {"a.stl", stl}};
+    for (const auto& [name, text] : files) {
+        const Scene scene = load(folder.write(name, mark + text));
+        EXPECT_GT(only_cage(scene).face_count(), 0u) << name;
+        EXPECT_TRUE(scene.warnings.empty()) << name;
+    }
+    std::string facets = mark + "solid" + std::string(72, ' ');
+    append_u32(facets, 1);
+    for (const float x : {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0}) append_float(facets, static_cast<float>(x));
+    EXPECT_EQ(only_cage(load(folder.write("b.stl", facets + std::string(2, '\0')))).face_count(), 1u);
+}
+
+// A double holds no number between 0 and 5e-324, and none above 1.8e308.
+TEST(PolygonLines, NumbersThatAreTooSmallAreZeroAndThoseThatAreTooLargeAreErrors)
+{
+    const TempFolder folder;
+    const std::string zeros[] = {
+        "1e-400", "-1e-400", "+1E-400", "0.001e-322", "1e-99999999999999999999", "0." + std::string(400, '0') + "1"};
+    const std::string large[] = {"1e400", "-1e400", "0.001e313", "1e99999999999999999999", "1" + std::string(400, '0')};
+    const auto files = [&](const std::string& x) {
+        const std::string vertices = x + " 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+        return std::vector{folder.write("a.ply", ply("element vertex 4\n" + kXyz + kFace, vertices + "4 0 1 2 3\n")),
+                           folder.write("a.off", "OFF\n4 1 0\n" + vertices + "4 0 1 2 3\n"),
+                           folder.write("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex " + x +
+                                                     " 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\nendsolid\n")};
+    };
+    for (const std::string& x : zeros)
+        for (const std::filesystem::path& file : files(x)) {
+            ASSERT_EQ(error_of(file), "") << x;
+            EXPECT_EQ(only_cage(load(file)).positions.at(0), Vec3f(0)) << x << file;
+        }
+    for (const std::string& x : large)
+        for (const std::filesystem::path& file : files(x)) EXPECT_NE(error_of(file), "") << x << file;
+    const Scene colored = load(folder.write("a.obj", "v 0 0 0 1 1e-60 1\nv 1 0 0 1 0 1\nv 0 1 0 1 0 1\nf 1 2 3\n"));
+    ASSERT_FALSE(only_cage(colored).colors.empty());
+    EXPECT_EQ(only_cage(colored).colors.at(0), Vec4f(1, 0, 1, 1));
+}
+
 TEST(PolygonLines, OfStlMayBeInCapitals)
 {
     const TempFolder folder;
