@@ -236,21 +236,21 @@ std::pair<std::string, std::string> split_channel(const std::string& name)
     return {name.substr(0, dot), name.substr(dot + 1)};
 }
 
-// Moves pixels from where a file has them to where they are in the picture.
-void put_in_order(std::vector<float>& pixels, const PictureSpec& spec, Orientation orientation)
+// Returns pixels of a file, in the order in which the picture has them.
+std::vector<float> put_in_order(std::vector<float> pixels, const PictureSpec& spec, Orientation orientation)
 {
-    const auto width = std::size_t(spec.width), height = std::size_t(spec.height), channels = spec.channels.size();
-    const auto swap = [&](std::size_t a, std::size_t b, std::size_t count) {
-        const auto first = pixels.begin() + std::ptrdiff_t(a);
-        std::swap_ranges(first, first + std::ptrdiff_t(count), pixels.begin() + std::ptrdiff_t(b));
-    };
-    if (orientation.mirrors_rows)
-        for (std::size_t y = 0; y < height / 2; ++y)
-            swap(y * width * channels, (height - 1 - y) * width * channels, width * channels);
-    if (orientation.mirrors_columns)
-        for (std::size_t y = 0; y < height; ++y)
-            for (std::size_t x = 0; x < width / 2; ++x)
-                swap((y * width + x) * channels, (y * width + width - 1 - x) * channels, channels);
+    if (!orientation.mirrors_rows && !orientation.mirrors_columns && !orientation.swaps_axes) return pixels;
+    const auto columns = std::size_t(spec.width), rows = std::size_t(spec.height), channels = spec.channels.size();
+    std::vector<float> ordered(pixels.size());
+    for (std::size_t row = 0; row < rows; ++row)
+        for (std::size_t column = 0; column < columns; ++column) {
+            const std::size_t along_rows = orientation.mirrors_rows ? rows - 1 - row : row,
+                              along_columns = orientation.mirrors_columns ? columns - 1 - column : column;
+            const std::size_t to = orientation.swaps_axes ? along_columns * rows + along_rows
+                                                          : along_rows * columns + along_columns;
+            std::copy_n(&pixels[(row * columns + column) * channels], channels, &ordered[to * channels]);
+        }
+    return ordered;
 }
 
 }  // namespace
@@ -302,14 +302,18 @@ Image Image::read(const fs::path& file)
     if (const std::string why = why_unreadable(file); !why.empty()) throw Error(file.string(), why);
     const OpenImage opened = open_image(file, nullptr, file.string(), kReadLimits);
     PictureReader* const in = opened.reader.get();
-    const PictureSpec& spec = in->spec();
+    PictureSpec spec = in->spec();
     if (spec.channel_count() > kMaxReadChannels) throw Error(file.string(), "is too large a picture to read");
     const std::size_t channels = spec.channels.size();
     const std::size_t count = std::size_t(spec.width) * std::size_t(spec.height);
     std::vector<float> pixels(count * channels);
     if (!in->read_rows(0, spec.height, spec.channel_count(), pixels.data()))
         throw Error(file.string(), "cannot be read: " + in->error());
-    put_in_order(pixels, spec, orientation_of(*in, file.string()));
+    pixels = put_in_order(std::move(pixels), spec, opened.orientation);
+    if (opened.orientation.swaps_axes) {
+        std::swap(spec.width, spec.height), std::swap(spec.full_width, spec.full_height);
+        std::swap(spec.x, spec.y), std::swap(spec.full_x, spec.full_y);
+    }
 
     Image image(spec.width, spec.height);
     image.x0 = spec.x - spec.full_x;

@@ -86,7 +86,6 @@ struct TextureSource::State {
     PictureReader* input = nullptr;  // that of `image`
     int left = 0, top = 0;           // where the rows of `input` begin in the texture; they may reach beyond it
     ChannelPlaces places;
-    Orientation orientation;
     bool is_tiled_file = false, has_other_role = false;
 
     void open(const Texture& texture);
@@ -111,8 +110,8 @@ void TextureSource::State::open(const Texture& texture)
     image = open_image(texture.path, texture.encoded.get(), name, kLimits);
     input = image.reader.get();
     places = places_of(*input);
-    orientation = orientation_of(*input, name);
     width = input->spec().width, height = input->spec().height;
+    if (image.orientation.swaps_axes) std::swap(width, height);
     if (input->format() != "openexr") return;
     const bool is_tiled = TiledFile::is_one(*input);
     is_tiled_file = is_tiled && !texture.encoded;
@@ -196,19 +195,20 @@ MipImage TextureSource::decode(int halvings, bool multiplies_by_alpha) const
     constexpr int kRowsAtOnce = 64;
     const State& s = *state_;
     MipImage image(std::max(1, width() >> halvings), std::max(1, height() >> halvings));
-    RowFilter filter(width(), height(), image);
-    filter.mirror(s.orientation.mirrors_rows, s.orientation.mirrors_columns);
+    const bool swaps_axes = s.image.orientation.swaps_axes;
+    const int columns = swaps_axes ? height() : width(), lines = swaps_axes ? width() : height();  // as the file has them
+    RowFilter filter(columns, lines, image, s.image.orientation);
     const int tile = s.input ? std::max(1, s.input->spec().tile_height) : 1;
     const int rows = std::max(tile, kRowsAtOnce) / tile * tile;  // whole rows of tiles
     const Vec4f nothing(0, 0, 0, s.places.alpha < 0 ? 1 : 0);
-    std::vector<Vec4f> texels, row(static_cast<std::size_t>(width()), nothing);
+    std::vector<Vec4f> texels, row(static_cast<std::size_t>(columns), nothing);
     for (int y = 0; y < s.top; ++y) filter.add(row);
-    const int first = std::max(0, s.left), end = std::min(width(), s.left + s.data_width());
+    const int first = std::max(0, s.left), end = std::min(columns, s.left + s.data_width());
     for (int y = 0; y < s.data_height(); y += rows) {
         const int y_end = std::min(s.data_height(), y + rows);
         s.read_rows(y, y_end, texels);
         for (int j = y; j < y_end; ++j) {
-            if (s.top + j < 0 || s.top + j >= height()) continue;
+            if (s.top + j < 0 || s.top + j >= lines) continue;
             const Vec4f* const from = &texels[std::size_t(j - y) * std::size_t(s.data_width())];
             std::copy(from + (first - s.left), from + (end - s.left), row.begin() + first);
             if (multiplies_by_alpha)
@@ -217,7 +217,7 @@ MipImage TextureSource::decode(int halvings, bool multiplies_by_alpha) const
         }
     }
     std::fill(row.begin(), row.end(), nothing);
-    for (int y = s.top + s.data_height(); y < height(); ++y) filter.add(row);
+    for (int y = s.top + s.data_height(); y < lines; ++y) filter.add(row);
     image.build_levels();
     return image;
 }

@@ -75,23 +75,29 @@ std::vector<std::byte> without_jpeg_metadata(std::span<const std::byte> file)
     return copier.take();
 }
 
-// The first directory of a TIFF in memory (TIFF 6.0, sec. 2).
+// The first directory of a TIFF in memory (TIFF 6.0, sec. 2), or of a BigTIFF, in which numbers of entries, counts and
+// places have eight bytes. A file of another version is left alone.
 class TiffDirectory {
 public:
     explicit TiffDirectory(std::vector<std::byte>& file)
-        : file_(file), is_little_(file.size() > 8 && file[0] == std::byte('I'))
+        : file_(file), is_little_(!file.empty() && file[0] == std::byte('I'))
     {
-        if (file.size() < 10 || number(4, 4) > file.size() - 2) return;
-        begin_ = number(4, 4);
-        const std::size_t declared = number(begin_, 2), fitting = (file.size() - begin_ - 2) / kEntry;
+        constexpr std::size_t kClassic = 42, kBig = 43;
+        const std::size_t version = file.size() < 16 ? 0 : number(2, 2);
+        if (version != kClassic && version != kBig) return;
+        is_big_ = version == kBig;
+        if (number(head(), word()) > file.size() - size_of_count()) return;
+        begin_ = number(head(), word());
+        const std::size_t declared = number(begin_, size_of_count()),
+                          fitting = (file.size() - begin_ - size_of_count()) / entry();
         count_ = std::min(declared, fitting);
-        is_whole_ = number(2, 2) == kClassic && declared <= fitting && file.size() - end() >= 4;
+        is_whole_ = declared <= fitting && file.size() - end() >= word();
     }
 
     void rename_metadata()
     {
         constexpr std::array<std::size_t, 6> kDescribing = {700, 33723, 34377, 34665, 34675, 37724};
-        for (std::size_t at = first(); at < end(); at += kEntry)
+        for (std::size_t at = first(); at < end(); at += entry())
             if (std::find(kDescribing.begin(), kDescribing.end(), number(at, 2)) != kDescribing.end())
                 file_[at] = file_[at + 1] = std::byte{0xfd};
     }
@@ -100,34 +106,54 @@ public:
     // behind the end of the file.
     void write_default_bits()
     {
-        constexpr std::size_t kBitsPerSample = 258, kSamplesPerPixel = 277, kShort = 3, kMost = 0xffff0000;
-        if (!is_whole_ || has(kBitsPerSample) || has(kSamplesPerPixel, 2) || file_.size() > kMost) return;
+        constexpr std::size_t kBitsPerSample = 258, kSamplesPerPixel = 277, kMost = 0xffff0000;
+        if (!is_whole_ || has(kBitsPerSample) || has(kSamplesPerPixel, 2) || (!is_big_ && file_.size() > kMost)) return;
         std::vector<std::byte> entries;
         const auto copy = [&](std::size_t from, std::size_t to) {
             entries.insert(entries.end(), file_.begin() + std::ptrdiff_t(from), file_.begin() + std::ptrdiff_t(to));
         };
         std::size_t next = first();
-        while (next < end() && number(next, 2) < kBitsPerSample) next += kEntry;
+        while (next < end() && number(next, 2) < kBitsPerSample) next += entry();
         copy(first(), next);
         const std::size_t at = entries.size();
-        entries.resize(at + kEntry);
-        copy(next, end() + 4);
+        entries.resize(at + entry());
+        copy(next, end() + word());
         put(entries, at, kBitsPerSample, 2);
-        put(entries, at + 2, kShort, 2);
-        put(entries, at + 4, 1, 4);
-        put(entries, at + 8, 1, 2);
-        file_.resize(file_.size() + file_.size() % 2);
-        put(file_, 4, file_.size(), 4);
-        file_.resize(file_.size() + 2);
-        put(file_, file_.size() - 2, count_ + 1, 2);
+        put_short(entries, at, 1);
+        file_.resize((file_.size() + word() - 1) / word() * word());
+        put(file_, head(), file_.size(), word());
+        file_.resize(file_.size() + size_of_count());
+        put(file_, file_.size() - size_of_count(), count_ + 1, size_of_count());
         file_.insert(file_.end(), entries.begin(), entries.end());
     }
 
-private:
-    static constexpr std::size_t kEntry = 12, kClassic = 42;
+    // Returns the value of the tag and sets it to the usual one.
+    std::size_t take_orientation()
+    {
+        constexpr std::size_t kOrientation = 274, kUsual = 1;
+        for (std::size_t at = first(); at < end(); at += entry()) {
+            if (number(at, 2) != kOrientation) continue;
+            const std::size_t type = number(at + 2, 2), bytes = type == kByte    ? 1
+                                                                : type == kShort ? 2
+                                                                : type == kLong  ? 4
+                                                                                 : 0;
+            const std::size_t value = bytes == 0 ? kUsual : number(value_of(at), bytes);
+            put_short(file_, at, kUsual);
+            return value;
+        }
+        return kUsual;
+    }
 
-    std::size_t first() const { return begin_ + 2; }
-    std::size_t end() const { return first() + count_ * kEntry; }
+private:
+    static constexpr std::size_t kByte = 1, kShort = 3, kLong = 4;  // types of values
+
+    std::size_t word() const { return is_big_ ? 8 : 4; }  // the size of a place in the file and of a count of values
+    std::size_t head() const { return is_big_ ? 8 : 4; }  // where the head says where the directory is
+    std::size_t size_of_count() const { return is_big_ ? 8 : 2; }
+    std::size_t entry() const { return 4 + 2 * word(); }
+    std::size_t first() const { return begin_ + size_of_count(); }
+    std::size_t end() const { return first() + count_ * entry(); }
+    std::size_t value_of(std::size_t at) const { return at + 4 + word(); }
     std::size_t place(std::size_t i, std::size_t bytes) const { return is_little_ ? bytes - 1 - i : i; }
     std::size_t number(std::size_t at, std::size_t bytes) const
     {
@@ -140,16 +166,23 @@ private:
     {
         for (std::size_t i = bytes; i-- > 0; value >>= 8) to[at + place(i, bytes)] = static_cast<std::byte>(value & 0xff);
     }
+    // Makes one number of 16 bits the value of the entry at `at`.
+    void put_short(std::vector<std::byte>& to, std::size_t at, std::size_t value) const
+    {
+        put(to, at + 2, kShort, 2);
+        put(to, at + 4, 1, word());
+        put(to, value_of(at), value, 2);
+    }
     // Returns whether there is an entry of that tag, with a value of `least` or more.
     bool has(std::size_t tag, std::size_t least = 0) const
     {
-        for (std::size_t at = first(); at < end(); at += kEntry)
-            if (number(at, 2) == tag && number(at + 8, 2) >= least) return true;
+        for (std::size_t at = first(); at < end(); at += entry())
+            if (number(at, 2) == tag && number(value_of(at), 2) >= least) return true;
         return false;
     }
 
     std::vector<std::byte>& file_;
-    bool is_little_, is_whole_ = false;
+    bool is_little_, is_big_ = false, is_whole_ = false;
     std::size_t begin_ = 0, count_ = 0;
 };
 
@@ -171,6 +204,28 @@ std::vector<std::byte> without_metadata(std::span<const std::byte> file, std::st
     if (format == "jpeg") return without_jpeg_metadata(file);
     if (format == "tiff") return without_tiff_metadata(file);
     return {file.begin(), file.end()};
+}
+
+Orientation take_tiff_orientation(std::vector<std::byte>& file)
+{
+    switch (TiffDirectory(file).take_orientation()) {
+        case 2:
+            return {false, true, false};
+        case 3:
+            return {true, true, false};
+        case 4:
+            return {true, false, false};
+        case 5:
+            return {false, false, true};
+        case 6:
+            return {true, false, true};
+        case 7:
+            return {true, true, true};
+        case 8:
+            return {false, true, true};
+        default:
+            return {};
+    }
 }
 
 }  // namespace occam

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "io/texture/orientation.h"
+
 namespace occam {
 
 /// Returns a copy of a PNG, JPEG or TIFF (`format` as given by image_format()) without colour profiles, EXIF and texts:
@@ -13,5 +15,9 @@ namespace occam {
 /// as they are. In a TIFF that leaves out its bits per sample, whose default OpenImageIO takes to be 8, they are 1 as the
 /// format says. Other formats are copied unchanged. A PNG must not be cut off.
 std::vector<std::byte> without_metadata(std::span<const std::byte> file, std::string_view format);
+
+/// Returns how the rows of a TIFF lie, by its tag Orientation (TIFF 6.0, sec. 8), and makes the tag say that they begin at
+/// the top left: of some kinds of pixels libtiff turns the rows, of others it does not.
+Orientation take_tiff_orientation(std::vector<std::byte>& file);
 
 }  // namespace occam

@@ -68,6 +68,12 @@ void MipImage::Level::write_row(int y, std::span<const Vec4f> texels)
     finite_halves_from_floats(&texels[0].x, row.size(), row.data());
     for (int x = 0; x < width; ++x) std::copy_n(&row[static_cast<std::size_t>(x) * 4], 4, &halves[offset(x, y)]);
 }
+void MipImage::Level::write_column(int x, std::span<const Vec4f> texels)
+{
+    std::vector<std::uint16_t> column(texels.size() * 4);
+    finite_halves_from_floats(&texels[0].x, column.size(), column.data());
+    for (int y = 0; y < height; ++y) std::copy_n(&column[static_cast<std::size_t>(y) * 4], 4, &halves[offset(x, y)]);
+}
 
 MipImage::MipImage(int width, int height) { levels_.emplace_back(width, height); }
 
@@ -90,6 +96,19 @@ std::size_t MipImage::bytes_of(int width, int height) noexcept
 void MipImage::write_row(int y, std::span<const Vec4f> texels)
 {
     texels = texels.first(static_cast<std::size_t>(width()));
+    count(texels);
+    levels_[0].write_row(y, texels);
+}
+
+void MipImage::write_column(int x, std::span<const Vec4f> texels)
+{
+    texels = texels.first(static_cast<std::size_t>(height()));
+    count(texels);
+    levels_[0].write_column(x, texels);
+}
+
+void MipImage::count(std::span<const Vec4f> texels) noexcept
+{
     constexpr float kLargestHalf = 65504;
     for (const Vec4f& t : texels) {
         const Vec4f size = glm::abs(t);
@@ -99,7 +118,6 @@ void MipImage::write_row(int y, std::span<const Vec4f> texels)
         for (int c = 0; c < 3; ++c)
             if (t[c] > brightest_[c]) brightest_[c] = std::min(t[c], kLargestHalf);
     }
-    levels_[0].write_row(y, texels);
 }
 
 void MipImage::build_levels()

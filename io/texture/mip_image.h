@@ -16,7 +16,7 @@ namespace occam {
 
 class MipImage {
 public:
-    /// Makes an empty image; fill it row by row, then call build_levels().
+    /// Makes an empty image; fill it row by row or column by column, then call build_levels().
     MipImage(int width, int height);
 
     int width() const noexcept { return levels_[0].width; }
@@ -26,15 +26,16 @@ public:
     /// Returns the bytes that an image of this size will take with all its levels.
     static std::size_t bytes_of(int width, int height) noexcept;
 
-    /// Writes a row. A channel that is not a number becomes 0; one beyond the largest half float becomes that value.
-    /// clamped_texels() counts both. One below 0 stays, and texels_below_0() counts it.
+    /// Writes a row or a column. A channel that is not a number becomes 0; one beyond the largest half float becomes that
+    /// value. clamped_texels() counts both. One below 0 stays, and texels_below_0() counts it.
     void write_row(int y, std::span<const Vec4f> texels);
+    void write_column(int x, std::span<const Vec4f> texels);
     void build_levels();
-    /// Returns the number of texels given to write_row() that had to be clamped.
+    /// Returns the number of texels given to these that had to be clamped.
     std::size_t clamped_texels() const noexcept { return clamped_texels_; }
-    /// Returns the number of texels given to write_row() of which a red, green or blue channel was below 0.
+    /// Returns the number of texels given to these of which a red, green or blue channel was below 0.
     std::size_t texels_below_0() const noexcept { return texels_below_0_; }
-    /// Returns the largest red, green and blue of all texels given to write_row(), as they were clamped, and at least 0.
+    /// Returns the largest red, green and blue of all texels given to these, as they were clamped, and at least 0.
     Vec3f brightest() const noexcept { return brightest_; }
 
     Vec4f texel(int level, int x, int y) const noexcept { return levels_[static_cast<std::size_t>(level)].texel(x, y); }
@@ -52,12 +53,14 @@ private:
         const std::uint16_t* at(int x, int y) const noexcept { return &halves[offset(x, y)]; }
         Vec4f texel(int x, int y) const noexcept;
         void write_row(int y, std::span<const Vec4f> texels);
+        void write_column(int x, std::span<const Vec4f> texels);
         std::size_t offset(int x, int y) const noexcept;
 
         int width, height, tiles_x;
         std::vector<std::uint16_t> halves;
     };
     static Level halved(const Level& from);
+    void count(std::span<const Vec4f> texels) noexcept;
 
     std::vector<Level> levels_;
     std::size_t clamped_texels_ = 0, texels_below_0_ = 0;

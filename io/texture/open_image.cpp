@@ -50,6 +50,7 @@ public:
         if (format_ == "png" || format_ == "jpeg" || format_ == "tiff") {
             image.bytes = without_metadata(whole(), format_);
             if (format_ == "jpeg") check_scans(image.bytes);
+            if (format_ == "tiff") image.orientation = take_tiff_orientation(image.bytes);
             image.reader = format_ == "png" ? open_png(ImageBytes(std::span(std::as_const(image.bytes))), why)
                                             : picture_codec().open(image.bytes, format_, why);
         } else if (has_color_numbers(bytes_, format_)) {
@@ -65,6 +66,7 @@ public:
         }
         if (!image.reader) refuse("image cannot be read: " + why);
         check_spec(image.reader->spec());
+        if (format_ == "hdr") image.orientation = radiance_orientation(*image.reader);
         return image;
     }
 
@@ -131,6 +133,18 @@ private:
             refuse("image has larger tiles than are read: " + std::to_string(wide) + " x " + std::to_string(high));
     }
 
+    Orientation radiance_orientation(const PictureReader& image) const
+    {
+        // The number is that which Exif has for it.
+        const std::string number = image.text_attribute("Orientation");
+        if (number == "2") return {false, true, false};
+        if (number == "3") return {true, true, false};
+        if (number == "4") return {true, false, false};
+        if (number.size() == 1 && number[0] > '4' && number[0] <= '8')
+            refuse("Radiance images that are stored column by column are not read");
+        return {};
+    }
+
     std::vector<std::byte> whole()
     {
         if (encoded_) return *encoded_;
@@ -158,19 +172,6 @@ OpenImage open_image(const std::filesystem::path& file, const std::vector<std::b
                      const ImageLimits& limits)
 {
     return Opener(file, encoded, name, limits).open();
-}
-
-Orientation orientation_of(const PictureReader& image, const std::string& name)
-{
-    if (image.format() != "hdr") return {};
-    // The number is that which Exif has for it.
-    const std::string number = image.text_attribute("Orientation");
-    if (number == "2") return {false, true};
-    if (number == "3") return {true, true};
-    if (number == "4") return {true, false};
-    if (number.size() == 1 && number[0] > '4' && number[0] <= '8')
-        throw Error(name, "images that are stored column by column are not read");
-    return {};
 }
 
 }  // namespace occam

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/picture_codec.h"
+#include "io/texture/orientation.h"
 
 namespace occam {
 
@@ -23,17 +24,10 @@ struct ImageLimits {
 struct OpenImage {
     std::vector<std::byte> bytes;
     std::unique_ptr<PictureReader> reader;
+    /// What the head of a Radiance file ("-Y 512 +X 1024") or the tag Orientation of a TIFF says. The rows of other formats
+    /// begin at the top left for what reads them here.
+    Orientation orientation;
 };
-
-/// Says how the rows of a file lie in the picture.
-struct Orientation {
-    bool mirrors_rows = false;     ///< they run from the bottom
-    bool mirrors_columns = false;  ///< the columns run from the right
-};
-
-/// Returns how the rows of a Radiance file lie: its head says it ("-Y 512 +X 1024"). Those of other formats begin at the top
-/// left for what reads them here. Throws Error if it is stored column by column.
-Orientation orientation_of(const PictureReader& image, const std::string& name);
 
 /// Returns whether so many texels are more than an honest file of that size holds: few bytes may declare many texels.
 bool declares_too_much(std::uintmax_t texels, std::uintmax_t file_bytes) noexcept;

@@ -4,16 +4,19 @@
 
 namespace occam {
 
-RowFilter::RowFilter(int width, int height, MipImage& to)
+RowFilter::RowFilter(int width, int height, MipImage& to, Orientation orientation)
     : to_(to),
+      orientation_(orientation),
+      columns_(orientation.swaps_axes ? to.height() : to.width()),
+      rows_(orientation.swaps_axes ? to.width() : to.height()),
       height_(height),
-      sums_(static_cast<std::size_t>(to.width()), Vec4f(0)),
+      sums_(static_cast<std::size_t>(columns_), Vec4f(0)),
       means_(sums_.size()),
-      area_(static_cast<float>(double(width) / to.width() * (double(height) / to.height())))
+      area_(static_cast<float>(double(width) / columns_ * (double(height) / rows_)))
 {
-    // The ends of texels are in units of 1 / to.width() texels of the image, which is exact in integers.
-    const std::int64_t unit = to.width();
-    for (std::int64_t x = 0; x < to.width(); ++x) {
+    // The ends of texels are in units of 1 / columns_ texels of the image, which is exact in integers.
+    const std::int64_t unit = columns_;
+    for (std::int64_t x = 0; x < columns_; ++x) {
         const std::int64_t lo = x * width, hi = lo + width;
         for (std::int64_t i = lo / unit; i * unit < hi; ++i) {
             const std::int64_t overlap = std::min(hi, (i + 1) * unit) - std::max(lo, i * unit);
@@ -26,7 +29,7 @@ RowFilter::RowFilter(int width, int height, MipImage& to)
 void RowFilter::add(std::span<const Vec4f> row)
 {
     // The same units are used along the rows; a row of the image may lie under two of the texture.
-    const std::int64_t unit = to_.height(), lo = next_ * unit, hi = lo + unit, end = (std::int64_t(out_) + 1) * height_;
+    const std::int64_t unit = rows_, lo = next_ * unit, hi = lo + unit, end = (std::int64_t(out_) + 1) * height_;
     const auto weight = [&](std::int64_t overlap) { return static_cast<float>(overlap) / static_cast<float>(unit); };
     ++next_;
     add_part(row, weight(std::min(hi, end) - lo));
@@ -46,10 +49,12 @@ void RowFilter::add_part(std::span<const Vec4f> row, float weight) noexcept
 void RowFilter::write()
 {
     for (std::size_t x = 0; x < sums_.size(); ++x) {
-        means_[mirrors_columns_ ? sums_.size() - 1 - x : x] = sums_[x] / area_;
+        means_[orientation_.mirrors_columns ? sums_.size() - 1 - x : x] = sums_[x] / area_;
         sums_[x] = Vec4f(0);
     }
-    to_.write_row(mirrors_rows_ ? to_.height() - 1 - out_ : out_, means_);
+    const int place = orientation_.mirrors_rows ? rows_ - 1 - out_ : out_;
+    if (orientation_.swaps_axes) to_.write_column(place, means_);
+    else to_.write_row(place, means_);
     ++out_;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/texture/mip_image.h"
+#include "io/texture/orientation.h"
 
 namespace occam {
 
@@ -15,11 +16,10 @@ namespace occam {
 /// Memory   one row of the texture, and a weight for each column of the image. Borrows the texture.
 class RowFilter {
 public:
-    /// to   is no larger than the image
-    RowFilter(int width, int height, MipImage& to);
+    /// width, height   of the image, and as the file has them: its rows may be columns of the texture
+    /// to              is no larger than the image
+    RowFilter(int width, int height, MipImage& to, Orientation orientation = {});
 
-    /// Says that the image's rows run from the bottom, or its columns from the right.
-    void mirror(bool rows, bool columns) noexcept { mirrors_rows_ = rows, mirrors_columns_ = columns; }
     /// Takes the next row of the image; the rows of the texture that end with it are written.
     void add(std::span<const Vec4f> row);
 
@@ -33,9 +33,10 @@ private:
     void write();
 
     MipImage& to_;
+    Orientation orientation_;
+    int columns_, rows_;              // of the texture, as the file has them
     std::int64_t height_, next_ = 0;  // rows of the image
     int out_ = 0;                     // the row of the texture that is being summed
-    bool mirrors_rows_ = false, mirrors_columns_ = false;
     std::vector<Tap> taps_;
     std::vector<std::size_t> ends_;  // of each column of the texture, in taps_
     std::vector<Vec4f> sums_, means_;

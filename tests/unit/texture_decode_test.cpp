@@ -202,5 +202,70 @@ TEST(TextureDecode, AHalvedImageIsWholeWhateverItsSize)
     }
 }
 
+// The pictures are three texels wide and two high: 1 2 3 above 4 5 6. The tag says where the first row and the first column
+// of a file lie (TIFF 6.0, sec. 8).
+TEST(TextureDecode, RowsOfTiffFilesRunAsTheySay)
+{
+    const std::pair<int, const char*> files[] = {{1, "123456"}, {2, "321654"}, {3, "654321"}, {4, "456123"},
+                                                 {5, "142536"}, {6, "362514"}, {7, "635241"}, {8, "415263"}};
+    const test::TempFolder folder;
+    for (const auto& [orientation, order] : files)
+        for (const char* compression : {"none", "lzw"}) {
+            const bool swaps = orientation > 4;
+            OIIO::ImageSpec spec(swaps ? 2 : 3, swaps ? 3 : 2, 3, OIIO::TypeDesc::UINT8);
+            spec.attribute("Orientation", orientation);
+            spec.attribute("compression", compression);
+            std::vector<unsigned char> values;
+            for (const char* texel = order; *texel; ++texel)
+                values.insert(values.end(), 3, static_cast<unsigned char>((*texel - '0') * 40));
+            const auto path = folder.path() / "image.tif";
+            const auto writer = OIIO::ImageOutput::create(path.string());
+            ASSERT_TRUE(writer && writer->open(path.string(), spec) &&
+                        writer->write_image(OIIO::TypeDesc::UINT8, values.data()) && writer->close());
+            Texture texture = texture_of(path);
+            texture.role = TextureRole::Data;
+            const TextureSource source(texture);
+            ASSERT_EQ(source.width(), 3) << orientation;
+            ASSERT_EQ(source.height(), 2) << orientation;
+            const MipImage image = source.decode(0);
+            const render::Image picture = render::Image::read(path);
+            ASSERT_EQ(picture.width, 3) << orientation;
+            ASSERT_EQ(picture.height, 2) << orientation;
+            for (int i = 0; i < 6; ++i) {
+                const float expected = float(i + 1) * 40 / 255;
+                EXPECT_NEAR(image.texel(0, i % 3, i / 3).x, expected, 1e-3f) << orientation << ' ' << i;
+                EXPECT_NEAR(picture.find("beauty")->pixels[std::size_t(i) * 3], linear_from_srgb(expected), 1e-3f)
+                    << orientation << ' ' << i;
+            }
+            EXPECT_NEAR(source.decode(1).texel(0, 0, 0).x, 3.5f * 40 / 255, 1e-3f) << "a halved image is whole";
+        }
+}
+
+// Of pixels in YCbCr with fewer samples of Cb and Cr, libtiff itself would turn the rows.
+TEST(TextureDecode, RowsOfTiffFilesInYcbcrAreTurnedOnce)
+{
+    // Two blocks of 2 x 1 texels, one above the other: Y Y Cb Cr.
+    std::string file = std::string("II*\0", 4) + std::string("\x10\0\0\0", 4) +
+                       std::string("\xc8\xc8\x80\x80\x32\x32\x80\x80", 8);
+    const auto put = [&](std::size_t value, std::size_t bytes) {
+        for (std::size_t i = 0; i < bytes; ++i) file += static_cast<char>(value >> 8 * i & 0xff);
+    };
+    struct Entry {
+        std::size_t tag, type, count, value;
+    };
+    constexpr std::size_t kBits = 16 + 2 + 12 * 12 + 4;
+    constexpr Entry kEntries[] = {{256, 3, 1, 2}, {257, 3, 1, 2}, {258, 3, 3, kBits}, {259, 3, 1, 1},
+                                  {262, 3, 1, 6}, {273, 4, 1, 8}, {274, 3, 1, 4},     {277, 3, 1, 3},
+                                  {278, 3, 1, 2}, {279, 4, 1, 8}, {284, 3, 1, 1},     {530, 3, 2, 0x10002}};
+    static_assert(std::size(kEntries) == 12);
+    put(std::size(kEntries), 2);
+    for (const Entry& e : kEntries) put(e.tag, 2), put(e.type, 2), put(e.count, 4), put(e.value, 4);
+    put(0, 4);
+    for (int i = 0; i < 3; ++i) put(8, 2);
+    const test::TempFolder folder;
+    const Loaded image(folder.write("y.tif", file));
+    EXPECT_LT(image.at(0.5f, 0.1f).x, image.at(0.5f, 0.9f).x) << "the file's first row, which is bright, is the lowest";
+}
+
 }  // namespace
 }  // namespace occam

@@ -98,32 +98,54 @@ TEST(ImageMetadata, WhatIsCutOffIsCopiedAsFarAsItGoes)
     }
 }
 
-// A directory at byte 8, with a bit for each texel in two bytes behind it.
-std::string bilevel_tiff(bool is_little)
-{
-    std::string file(2, is_little ? 'I' : 'M');
-    const auto put = [&](std::size_t value, std::size_t bytes) {
+// Writes numbers of a TIFF or of a BigTIFF.
+struct TiffWriter {
+    bool is_little, is_big;
+    std::string file{};
+
+    void put(std::size_t value, std::size_t bytes)
+    {
         for (std::size_t i = 0; i < bytes; ++i)
             file += static_cast<char>(value >> 8 * (is_little ? i : bytes - 1 - i) & 0xff);
-    };
-    put(42, 2), put(8, 4);
-    struct Entry {
-        std::size_t tag, value;
-    };
-    constexpr Entry kEntries[] = {{256, 8}, {257, 2}, {262, 1}, {273, 10 + 6 * 12 + 4}, {278, 2}, {279, 2}};
-    put(std::size(kEntries), 2);
-    for (const Entry& entry : kEntries) put(entry.tag, 2), put(4, 2), put(1, 4), put(entry.value, 4);
-    put(0, 4);
-    return file + "\xf0\xff";
+    }
+    std::size_t word() const { return is_big ? 8 : 4; }
+    void head(std::size_t directory)
+    {
+        file.assign(2, is_little ? 'I' : 'M');
+        put(is_big ? 43 : 42, 2);
+        if (is_big) put(8, 2), put(0, 2);
+        put(directory, word());
+    }
+    // Each entry is a tag and a number of 32 bits, or of 64 in a BigTIFF.
+    void directory(const std::vector<std::pair<std::size_t, std::size_t>>& entries)
+    {
+        put(entries.size(), is_big ? 8 : 2);
+        for (const auto& [tag, value] : entries) put(tag, 2), put(is_big ? 16 : 4, 2), put(1, word()), put(value, word());
+        put(0, word());
+    }
+    std::size_t directory_bytes(std::size_t entries) const { return (is_big ? 8 : 2) + entries * (4 + 2 * word()) + word(); }
+    std::size_t head_bytes() const { return is_big ? 16 : 8; }
+    std::span<const std::byte> bytes() const { return {reinterpret_cast<const std::byte*>(file.data()), file.size()}; }
+};
+
+// Returns a directory behind the head, with a bit for each texel in two bytes behind it.
+TiffWriter bilevel_tiff(bool is_little, bool is_big)
+{
+    TiffWriter tiff{is_little, is_big};
+    tiff.head(tiff.head_bytes());
+    tiff.directory({{256, 8}, {257, 2}, {262, 1}, {273, tiff.head_bytes() + tiff.directory_bytes(6)}, {278, 2}, {279, 2}});
+    tiff.file += "\xf0\xff";
+    return tiff;
 }
+
+constexpr std::pair<bool, bool> kTiffs[] = {{true, false}, {false, false}, {true, true}, {false, true}};
 
 TEST(ImageMetadata, ATiffThatDoesNotNameItsBitsHasOneForATexel)
 {
     const test::TempFolder folder;
-    for (const bool is_little : {true, false}) {
-        const std::string file = bilevel_tiff(is_little);
-        const auto* first = reinterpret_cast<const std::byte*>(file.data());
-        const std::vector<std::byte> after = without_metadata({first, file.size()}, "tiff");
+    for (const auto& [is_little, is_big] : kTiffs) {
+        const TiffWriter tiff = bilevel_tiff(is_little, is_big);
+        const std::vector<std::byte> after = without_metadata(tiff.bytes(), "tiff");
         const auto path = folder.write("b.tif", {reinterpret_cast<const char*>(after.data()), after.size()});
         const auto image = OIIO::ImageInput::open(path.string());
         ASSERT_TRUE(image) << OIIO::geterror();
@@ -131,8 +153,46 @@ TEST(ImageMetadata, ATiffThatDoesNotNameItsBitsHasOneForATexel)
         ASSERT_TRUE(image->read_image(0, 0, 0, 1, OIIO::TypeDesc::UINT8, texels));
         for (int i = 0; i < 16; ++i) EXPECT_EQ(texels[i], i < 4 || i >= 8 ? 255 : 0) << i;
         EXPECT_EQ(without_metadata(after, "tiff"), after) << "it is there now";
-        for (std::size_t size = 0; size < file.size(); ++size) without_metadata({first, size}, "tiff");
+        for (std::size_t size = 0; size < tiff.file.size(); ++size) without_metadata(tiff.bytes().first(size), "tiff");
     }
+}
+
+// The pixels are before the directory, and each two bytes of them are the tag of a profile or of a text.
+TEST(ImageMetadata, PixelsThatAreLikeTagsStay)
+{
+    for (const std::size_t value : {700, 33723, 34377, 34665, 34675, 37724})
+        for (const auto& [is_little, is_big] : kTiffs) {
+            constexpr std::size_t kSide = 32, kBytes = 2 * kSide * kSide;
+            TiffWriter tiff{is_little, is_big};
+            tiff.head(tiff.head_bytes() + kBytes);
+            for (std::size_t i = 0; i < kSide * kSide; ++i) tiff.put(value, 2);
+            tiff.directory({{256, kSide},
+                            {257, kSide},
+                            {258, 16},
+                            {262, 1},
+                            {273, tiff.head_bytes()},
+                            {278, kSide},
+                            {279, kBytes},
+                            {34675, 0}});
+            const std::vector<std::byte> after = without_metadata(tiff.bytes(), "tiff");
+            ASSERT_EQ(after.size(), tiff.file.size());
+            const auto pixels = [&](std::span<const std::byte> file) {
+                const auto part = file.subspan(tiff.head_bytes(), kBytes);
+                return std::vector<std::byte>(part.begin(), part.end());
+            };
+            EXPECT_EQ(pixels(after), pixels(tiff.bytes())) << value << is_little << is_big;
+            std::size_t changed = 0;
+            for (std::size_t i = 0; i < after.size(); ++i) changed += after[i] != tiff.bytes()[i];
+            EXPECT_EQ(changed, 2u) << "the tag of the profile";
+        }
+}
+
+TEST(ImageMetadata, TiffsOfOtherVersionsAreLeftAlone)
+{
+    TiffWriter tiff = bilevel_tiff(true, false);
+    tiff.file[2] = 44;
+    const std::vector<std::byte> after = without_metadata(tiff.bytes(), "tiff");
+    EXPECT_TRUE(std::equal(after.begin(), after.end(), tiff.bytes().begin(), tiff.bytes().end()));
 }
 
 }  // namespace
