@@ -102,7 +102,9 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
     for (PrimitiveCage& part : parts) restore_polygons(part.cage, part.has_polygons);
     if (parts.empty()) return ids;
     // Parts with skins or morph targets stay separate, since their arrays need not match.
-    const bool is_deformed = parts[0].cage.skin.sets > 0 || !parts[0].cage.morph_targets.empty();
+    const bool is_deformed = std::any_of(parts.begin(), parts.end(), [](const PrimitiveCage& part) {
+        return part.cage.skin.sets > 0 || !part.cage.morph_targets.empty();
+    });
     if (parts.size() == 1 || is_deformed || parts.size() > 0xffff) {
         for (PrimitiveCage& part : parts) weld_by_position(part.cage), add(std::move(part.cage));
         return ids;
