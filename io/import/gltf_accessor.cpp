@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <type_traits>
 
 namespace occam::import {
@@ -12,6 +13,7 @@ namespace {
 
 constexpr std::size_t kSpareBytes = std::size_t(512) << 20;
 constexpr std::size_t kExpansion = 16;
+constexpr int kMostComponents = 16;
 
 std::string name_of(int accessor) { return "accessors[" + std::to_string(accessor) + "]"; }
 
@@ -90,7 +92,7 @@ void copy_any(const Elements& from, bool normalized, int width, Out* out)
 // Finds the least and greatest value of each component. It takes eight elements at a time, so that the inner loop runs over
 // whole registers.
 struct Extremes {
-    static constexpr std::size_t kAtOnce = 8, kMaxComponents = 16;
+    static constexpr std::size_t kAtOnce = 8, kMaxComponents = kMostComponents;
 
     explicit Extremes(std::size_t components) : low(components, kInf), high(components, -kInf) {}
 
@@ -131,10 +133,15 @@ struct Extremes {
 struct AccessorReader::Layout : Elements {};
 
 AccessorReader::AccessorReader(const tinygltf::Model& model, const Report& report)
-    : model_(model), report_(report), copies_(report)
+    : model_(model), report_(report), copies_(report), expansion_bytes_(most_bytes())
 {
-    expansion_bytes_ = kSpareBytes;
-    for (const tinygltf::Buffer& buffer : model.buffers) expansion_bytes_ += kExpansion * buffer.data.size();
+}
+
+std::size_t AccessorReader::most_bytes() const
+{
+    std::size_t bytes = kSpareBytes;
+    for (const tinygltf::Buffer& buffer : model_.buffers) bytes += kExpansion * buffer.data.size();
+    return bytes;
 }
 
 void AccessorReader::refuse(int accessor, const std::string& what) const
@@ -175,7 +182,7 @@ void AccessorReader::charge(std::size_t bytes, int accessor)
     expansion_bytes_ -= bytes;
 }
 
-AccessorReader::Layout AccessorReader::locate(int accessor, int width)
+AccessorReader::Layout AccessorReader::locate(int accessor, int width) const
 {
     const tinygltf::Accessor& a = at(accessor);
     const int n = components(accessor), element_bytes = n * component_bytes(a.componentType);
@@ -183,7 +190,6 @@ AccessorReader::Layout AccessorReader::locate(int accessor, int width)
     if (n > width)
         refuse(accessor, "has " + std::to_string(n) + " components where " + std::to_string(width) + " are wanted");
     if (a.count > std::numeric_limits<std::uint32_t>::max()) refuse(accessor, "counts more than 2^32 elements");
-    charge(a.count * static_cast<std::size_t>(width) * sizeof(float), accessor);
     Layout layout{{nullptr, static_cast<std::size_t>(element_bytes), a.count, n, a.componentType}};
     if (a.bufferView < 0) return layout;
 
@@ -201,17 +207,41 @@ AccessorReader::Layout AccessorReader::locate(int accessor, int width)
 }
 
 template <class Out>
-void AccessorReader::fill(const Layout& layout, int accessor, int width, bool normalized, Out* out) const
+void AccessorReader::fill(const Layout& layout, int accessor, int width, Out* out, const ChosenElements& chosen,
+                          bool normalized)
 {
     const tinygltf::Accessor& a = at(accessor);
-    if (layout.data) copy_any(layout, normalized, width, out);
+    const std::size_t floats = static_cast<std::size_t>(width), wanted = chosen ? chosen->size() : layout.count;
+    for (std::size_t i = 0; layout.data && i < wanted;) {
+        Elements run = layout;  // of elements that follow each other
+        if (chosen) {
+            const std::uint32_t* const first = &(*chosen)[i];
+            run.data += *first * layout.stride;
+            for (run.count = 1; i + run.count < wanted && first[run.count] == *first + run.count;) ++run.count;
+        }
+        copy_any(run, normalized, width, out + i * floats);
+        i += run.count;
+    }
     if (!a.sparse.isSparse) return;
+    Layout value = layout;
+    std::size_t i = 0;
+    for (const std::uint32_t place : sparse_places(accessor, value)) {
+        if (!chosen) i = place;
+        while (chosen && i < wanted && (*chosen)[i] < place) ++i;
+        if (i < wanted && (!chosen || (*chosen)[i] == place)) copy_any(value, normalized, width, out + i * floats);
+        value.data += value.stride;
+    }
+}
 
+// Returns the elements that the sparse part of an accessor replaces, and makes `value` describe what replaces the first.
+std::vector<std::uint32_t> AccessorReader::sparse_places(int accessor, Layout& value)
+{
+    const tinygltf::Accessor& a = at(accessor);
     const std::size_t count = static_cast<std::size_t>(std::max(a.sparse.count, 0));
     const auto index_bytes = view(a.sparse.indices.bufferView, name_of(accessor) + ".sparse.indices");
     const auto value_bytes = view(a.sparse.values.bufferView, name_of(accessor) + ".sparse.values");
     const std::size_t index_size = static_cast<std::size_t>(component_bytes(a.sparse.indices.componentType));
-    const std::size_t value_size = static_cast<std::size_t>(layout.components * component_bytes(a.componentType));
+    const std::size_t value_size = static_cast<std::size_t>(value.components * component_bytes(a.componentType));
     const auto fits = [&](std::span<const unsigned char> bytes, int offset, std::size_t size) {
         return offset >= 0 && static_cast<std::size_t>(offset) <= bytes.size() &&
                count * size <= bytes.size() - static_cast<std::size_t>(offset);
@@ -219,22 +249,22 @@ void AccessorReader::fill(const Layout& layout, int accessor, int width, bool no
     if (index_size == 0 || count > a.count || !fits(index_bytes, a.sparse.indices.byteOffset, index_size) ||
         !fits(value_bytes, a.sparse.values.byteOffset, value_size))
         refuse(accessor, "its sparse part does not fit");
+    charge(count * sizeof(std::uint32_t), accessor);  // many may read the same part
     std::vector<std::uint32_t> where(count);
     const Elements indices{index_bytes.data() + a.sparse.indices.byteOffset, index_size, count, 1,
                            a.sparse.indices.componentType};
     copy_any(indices, false, 1, where.data());
-    const unsigned char* values = value_bytes.data() + a.sparse.values.byteOffset;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; ++i)
         if (where[i] >= a.count || (i > 0 && where[i] <= where[i - 1]))
             refuse(accessor, "sparse indices must rise and stay in range");
-        const Elements value{values + i * value_size, value_size, 1, layout.components, a.componentType};
-        copy_any(value, normalized, width, out + std::size_t(where[i]) * static_cast<std::size_t>(width));
-    }
+    value.data = value_bytes.data() + a.sparse.values.byteOffset;
+    value.stride = value_size, value.count = 1;
+    return where;
 }
 
 // Reads the raw numbers of an accessor, some thousand at a time; those of a sparse accessor are read at once.
 template <class Visit>
-void AccessorReader::for_each_part(const Layout& layout, int accessor, Visit&& visit) const
+void AccessorReader::for_each_part(const Layout& layout, int accessor, Visit&& visit)
 {
     constexpr std::size_t kElements = 4096;
     const std::size_t n = static_cast<std::size_t>(layout.components),
@@ -245,13 +275,14 @@ void AccessorReader::for_each_part(const Layout& layout, int accessor, Visit&& v
         part.count = std::min(step, layout.count - begin);
         if (part.data) part.data += begin * layout.stride;
         values.assign(part.count * n, 0.0f);
-        fill(part, accessor, layout.components, false, values.data());
+        fill(part, accessor, layout.components, values.data(), {}, false);
         visit(std::span<const float>(values));
     }
 }
 
 void AccessorReader::check_values(Report& report)
 {
+    expansion_bytes_ = most_bytes();  // nothing of this is kept, but it takes time
     for (int i = 0; i < static_cast<int>(model_.accessors.size()); ++i) {
         const tinygltf::Accessor& a = at(i);
         const std::size_t n = static_cast<std::size_t>(components(i));
@@ -259,6 +290,7 @@ void AccessorReader::check_values(Report& report)
         if (n > 4 && a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) continue;
         if (a.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) continue;
         const Layout layout = locate(i, static_cast<int>(n));
+        charge(layout.count * n * sizeof(float), i);
         Extremes extremes(n);
         for_each_part(layout, i, [&](std::span<const float> values) { extremes.add(values); });
         if (!extremes.is_finite) report.warn("accessor holds a number that is not finite", name_of(i));
@@ -273,33 +305,29 @@ void AccessorReader::check_values(Report& report)
     }
 }
 
-std::vector<float> AccessorReader::floats(int accessor, int width)
+template <class Value, class Out>
+std::vector<Value> AccessorReader::read(int accessor, int width, const ChosenElements& chosen)
 {
     const Layout layout = locate(accessor, width);
-    std::vector<float> out(layout.count * static_cast<std::size_t>(width));
-    fill(layout, accessor, width, at(accessor).normalized, out.data());
+    const std::size_t values = (chosen ? chosen->size() : layout.count) * static_cast<std::size_t>(width);
+    charge(values * sizeof(float), accessor);
+    std::vector<Value> out(values / (sizeof(Value) / sizeof(Out)), Value(0));
+    fill(layout, accessor, width, reinterpret_cast<Out*>(out.data()), chosen, at(accessor).normalized);
     return out;
 }
-std::vector<Vec2f> AccessorReader::vec2(int accessor)
+
+std::vector<float> AccessorReader::floats(int accessor, int width) { return read<float, float>(accessor, width, {}); }
+std::vector<Vec2f> AccessorReader::vec2(int accessor, const ChosenElements& chosen)
 {
-    const Layout layout = locate(accessor, 2);
-    std::vector<Vec2f> out(layout.count);
-    fill(layout, accessor, 2, at(accessor).normalized, &out.data()->x);
-    return out;
+    return read<Vec2f, float>(accessor, 2, chosen);
 }
-std::vector<Vec3f> AccessorReader::vec3(int accessor)
+std::vector<Vec3f> AccessorReader::vec3(int accessor, const ChosenElements& chosen)
 {
-    const Layout layout = locate(accessor, 3);
-    std::vector<Vec3f> out(layout.count);
-    fill(layout, accessor, 3, at(accessor).normalized, &out.data()->x);
-    return out;
+    return read<Vec3f, float>(accessor, 3, chosen);
 }
-std::vector<Vec4f> AccessorReader::vec4(int accessor)
+std::vector<Vec4f> AccessorReader::vec4(int accessor, const ChosenElements& chosen)
 {
-    const Layout layout = locate(accessor, 4);
-    std::vector<Vec4f> out(layout.count, Vec4f(0, 0, 0, 1));  // a colour of three components is opaque
-    fill(layout, accessor, 4, at(accessor).normalized, &out.data()->x);
-    return out;
+    return read<Vec4f, float>(accessor, 4, chosen);
 }
 std::vector<std::uint32_t> AccessorReader::indices(int accessor)
 {
@@ -307,20 +335,22 @@ std::vector<std::uint32_t> AccessorReader::indices(int accessor)
     if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
         type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
         refuse(accessor, "indices must be unsigned integers");
-    const Layout layout = locate(accessor, 1);
-    std::vector<std::uint32_t> out(layout.count);
-    fill(layout, accessor, 1, at(accessor).normalized, out.data());
-    return out;
+    return read<std::uint32_t, std::uint32_t>(accessor, 1, {});
 }
-std::vector<glm::u16vec4> AccessorReader::joints(int accessor)
+std::vector<glm::u16vec4> AccessorReader::joints(int accessor, const ChosenElements& chosen)
 {
     const int type = at(accessor).componentType;
     if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
         refuse(accessor, "joints must be unsigned integers of 8 or 16 bits");
-    const Layout layout = locate(accessor, 4);
-    std::vector<glm::u16vec4> out(layout.count);
-    fill(layout, accessor, 4, at(accessor).normalized, &out.data()->x);
-    return out;
+    return read<glm::u16vec4, std::uint16_t>(accessor, 4, chosen);
+}
+std::vector<std::uint32_t> AccessorReader::numbers(int accessor)
+{
+    const std::size_t count = locate(accessor, kMostComponents).count;
+    charge(count * sizeof(std::uint32_t), accessor);
+    std::vector<std::uint32_t> list(count);
+    std::iota(list.begin(), list.end(), 0u);
+    return list;
 }
 
 }  // namespace occam::import

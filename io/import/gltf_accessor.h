@@ -3,13 +3,19 @@
 
 #include <tiny_gltf.h>
 
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "base/vec.h"
 #include "io/import/copy_budget.h"
 #include "io/import/report.h"
 
 namespace occam::import {
+
+/// The elements of an accessor that are wanted, in rising order and within its count; none: all of them. The time and memory
+/// that these take do not depend on the count, since many primitives may each use a few of the same accessor.
+using ChosenElements = std::optional<std::vector<std::uint32_t>>;
 
 /// Reads the accessors of one file, be they sparse, interleaved, normalised or quantised (glTF 2.0, sec. 3.6.2). Throws
 /// Error naming the accessor if it does not fit its buffer, or has another type than the caller asks for.
@@ -22,14 +28,17 @@ public:
     const tinygltf::Accessor& at(int accessor) const;
 
     /// Returns `width` floats for each element; integers are scaled to [0, 1] or [-1, 1] if the accessor is normalised.
+    /// Components that the accessor does not have are 0.
     std::vector<float> floats(int accessor, int width);
-    std::vector<Vec2f> vec2(int accessor);
-    std::vector<Vec3f> vec3(int accessor);
-    std::vector<Vec4f> vec4(int accessor);
+    std::vector<Vec2f> vec2(int accessor, const ChosenElements& chosen = {});
+    std::vector<Vec3f> vec3(int accessor, const ChosenElements& chosen = {});
+    std::vector<Vec4f> vec4(int accessor, const ChosenElements& chosen = {});
     /// Returns unsigned integers, one for each element.
     std::vector<std::uint32_t> indices(int accessor);
     /// Returns unsigned integers of 8 or 16 bits, four for each element.
-    std::vector<glm::u16vec4> joints(int accessor);
+    std::vector<glm::u16vec4> joints(int accessor, const ChosenElements& chosen = {});
+    /// Returns 0, 1, 2 and so on, one for each element.
+    std::vector<std::uint32_t> numbers(int accessor);
     /// Checks the numbers of all accessors; those that are not finite, or not within the declared bounds, become warnings.
     void check_values(Report& report);
     /// Returns the bytes of a buffer view; throws Error if they are not in its buffer.
@@ -40,11 +49,15 @@ public:
 
 private:
     struct Layout;
-    Layout locate(int accessor, int width);
+    Layout locate(int accessor, int width) const;
+    template <class Value, class Out>
+    std::vector<Value> read(int accessor, int width, const ChosenElements& chosen);
     template <class Out>
-    void fill(const Layout& layout, int accessor, int width, bool normalized, Out* out) const;
+    void fill(const Layout& layout, int accessor, int width, Out* out, const ChosenElements& chosen, bool normalized);
+    std::vector<std::uint32_t> sparse_places(int accessor, Layout& value);
     template <class Visit>
-    void for_each_part(const Layout& layout, int accessor, Visit&& visit) const;
+    void for_each_part(const Layout& layout, int accessor, Visit&& visit);
+    std::size_t most_bytes() const;
     void charge(std::size_t bytes, int accessor);
     [[noreturn]] void refuse(int accessor, const std::string& what) const;
 

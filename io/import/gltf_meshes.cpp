@@ -133,17 +133,18 @@ std::optional<MeshImporter::PrimitiveCage> MeshImporter::read(const tinygltf::Pr
     part.has_polygons = primitive.extensions.count("FB_ngon_encoding") > 0;
     Cage& cage = part.cage;
     cage.scheme = Scheme::Triangles;
-    cage.positions = accessors_.vec3(position);
-    cage.face_vertices = triangles(primitive, cage.positions.size(), where);
+    cage.face_vertices = triangles(primitive, position, where);
     if (cage.face_vertices.empty()) {
         report_.warn("primitive without a triangle", where);
         return std::nullopt;
     }
-    read_attributes(primitive, cage, where);
-    read_skin(primitive, cage, where);
-    read_morph_targets(primitive, cage, where);
+    Vertices vertices{accessors_.count(position), {}};
+    vertices.used = choose_used_vertices(cage.face_vertices, vertices.count);
+    cage.positions = accessors_.vec3(position, vertices.used);
+    read_attributes(primitive, vertices, cage, where);
+    read_skin(primitive, vertices, cage, where);
+    read_morph_targets(primitive, vertices, cage, where);
     cage.materials = {materials_.material(material_index(primitive))};
-    drop_unused_vertices(cage);
     return part;
 }
 
@@ -161,7 +162,7 @@ int MeshImporter::material_index(const tinygltf::Primitive& primitive) const
     return primitive.material;
 }
 
-std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& primitive, std::size_t vertices,
+std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& primitive, int position,
                                                    const std::string& where)
 {
     std::vector<std::uint32_t> list;
@@ -174,8 +175,7 @@ std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& pr
         if (std::find(list.begin(), list.end(), restart) != list.end())
             report_.warn("indices hold the value of primitive restart", where);
     } else {
-        list.resize(vertices);
-        for (std::size_t i = 0; i < vertices; ++i) list[i] = static_cast<std::uint32_t>(i);
+        list = accessors_.numbers(position);
     }
     if (primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP || primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN) {
         // Every second triangle of a strip is reversed, so that all wind alike (glTF 2.0, sec. 3.7.2.1).
@@ -194,19 +194,17 @@ std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& pr
     return list;
 }
 
-template <class T>
-std::vector<T> MeshImporter::per_vertex(std::vector<T> values, std::size_t vertices, const char* name,
-                                        const std::string& where)
+int MeshImporter::per_vertex(int accessor, const Vertices& vertices, const char* name, const std::string& where) const
 {
-    if (values.size() == vertices) return values;
+    if (accessors_.count(accessor) == vertices.count) return accessor;
     throw Error(report_.name(), std::string(name) + " has another count than POSITION", where);
 }
 
-void MeshImporter::read_attributes(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where)
+void MeshImporter::read_attributes(const tinygltf::Primitive& primitive, const Vertices& vertices, Cage& cage,
+                                   const std::string& where)
 {
-    const std::size_t vertices = cage.positions.size();
     if (const int a = attribute(primitive, "NORMAL"); a >= 0) {
-        cage.normals = per_vertex(accessors_.vec3(a), vertices, "NORMAL", where);
+        cage.normals = accessors_.vec3(per_vertex(a, vertices, "NORMAL", where), vertices.used);
         const auto is_far_from_unit = [](Vec3f n) { return !(std::abs(glm::dot(n, n) - 1) < 0.02f); };
         if (std::any_of(cage.normals.begin(), cage.normals.end(), is_far_from_unit))
             report_.warn("normals are not of unit length", where);
@@ -215,19 +213,20 @@ void MeshImporter::read_attributes(const tinygltf::Primitive& primitive, Cage& c
         const int a = attribute(primitive, name);
         if (a < 0 && cage.uv_sets.empty()) continue;
         // The second set keeps its number even if there is no first one.
-        std::vector<Vec2f> values = a < 0 ? std::vector<Vec2f>(vertices, Vec2f(0))
-                                          : per_vertex(accessors_.vec2(a), vertices, name, where);
+        std::vector<Vec2f> values = a < 0 ? std::vector<Vec2f>(cage.positions.size(), Vec2f(0))
+                                          : accessors_.vec2(per_vertex(a, vertices, name, where), vertices.used);
         cage.uv_sets.insert(cage.uv_sets.begin(), UvSet{std::move(values), {}});
     }
     if (const int a = attribute(primitive, "COLOR_0"); a >= 0) {
-        cage.colors = per_vertex(accessors_.vec4(a), vertices, "COLOR_0", where);
+        cage.colors = accessors_.vec4(per_vertex(a, vertices, "COLOR_0", where), vertices.used);
         if (accessors_.components(a) == 3)
             for (Vec4f& color : cage.colors) color.w = 1;
         clamp_colors(cage.colors, report_, where);
     }
 }
 
-void MeshImporter::read_skin(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where)
+void MeshImporter::read_skin(const tinygltf::Primitive& primitive, const Vertices& vertices, Cage& cage,
+                             const std::string& where)
 {
     for (int set = 0;; ++set) {
         const std::string number = std::to_string(set);
@@ -236,25 +235,27 @@ void MeshImporter::read_skin(const tinygltf::Primitive& primitive, Cage& cage, c
             if (joints >= 0 || weights >= 0) throw Error(report_.name(), "joints and weights come in pairs", where);
             return;
         }
-        const auto j = per_vertex(accessors_.joints(joints), cage.positions.size(), "JOINTS", where);
-        const auto w = per_vertex(accessors_.vec4(weights), cage.positions.size(), "WEIGHTS", where);
+        const auto j = accessors_.joints(per_vertex(joints, vertices, "JOINTS", where), vertices.used);
+        const auto w = accessors_.vec4(per_vertex(weights, vertices, "WEIGHTS", where), vertices.used);
         cage.skin.joints.insert(cage.skin.joints.end(), j.begin(), j.end());
         cage.skin.weights.insert(cage.skin.weights.end(), w.begin(), w.end());
         cage.skin.sets = set + 1;
     }
 }
 
-void MeshImporter::read_morph_targets(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where)
+void MeshImporter::read_morph_targets(const tinygltf::Primitive& primitive, const Vertices& vertices, Cage& cage,
+                                      const std::string& where)
 {
+    const auto values = [&](int accessor) {
+        return accessors_.vec3(per_vertex(accessor, vertices, "morph target", where), vertices.used);
+    };
     for (const auto& attributes : primitive.targets) {
         MorphTarget target;
         for (const auto& [name, accessor] : attributes)
             if (name.starts_with("COLOR_") || name.starts_with("TEXCOORD_"))
                 report_.warn("morph targets of " + name.substr(0, 64) + " are not read", where);
-        if (const auto a = attributes.find("POSITION"); a != attributes.end())
-            target.positions = per_vertex(accessors_.vec3(a->second), cage.positions.size(), "morph target", where);
-        if (const auto a = attributes.find("NORMAL"); a != attributes.end())
-            target.normals = per_vertex(accessors_.vec3(a->second), cage.positions.size(), "morph target", where);
+        if (const auto a = attributes.find("POSITION"); a != attributes.end()) target.positions = values(a->second);
+        if (const auto a = attributes.find("NORMAL"); a != attributes.end()) target.normals = values(a->second);
         cage.morph_targets.push_back(std::move(target));
     }
 }

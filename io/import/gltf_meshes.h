@@ -28,15 +28,21 @@ private:
         bool has_polygons = false;  ///< FB_ngon_encoding
     };
     std::optional<PrimitiveCage> read(const tinygltf::Primitive& primitive, const std::string& where);
-    std::vector<std::uint32_t> triangles(const tinygltf::Primitive& primitive, std::size_t vertices,
-                                         const std::string& where);
+    /// The vertices that the accessors of a primitive hold, and those of them that it uses.
+    struct Vertices {
+        std::size_t count;
+        ChosenElements used;
+    };
+    std::vector<std::uint32_t> triangles(const tinygltf::Primitive& primitive, int position, const std::string& where);
     /// Returns the index of the primitive's material, or of the chosen variant's if that maps it (KHR_materials_variants).
     int material_index(const tinygltf::Primitive& primitive) const;
-    void read_attributes(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
-    void read_skin(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
-    void read_morph_targets(const tinygltf::Primitive& primitive, Cage& cage, const std::string& where);
-    template <class T>
-    std::vector<T> per_vertex(std::vector<T> values, std::size_t vertices, const char* name, const std::string& where);
+    void read_attributes(const tinygltf::Primitive& primitive, const Vertices& vertices, Cage& cage,
+                         const std::string& where);
+    void read_skin(const tinygltf::Primitive& primitive, const Vertices& vertices, Cage& cage, const std::string& where);
+    void read_morph_targets(const tinygltf::Primitive& primitive, const Vertices& vertices, Cage& cage,
+                            const std::string& where);
+    /// Returns the accessor if it has a value for each vertex; throws Error if not.
+    int per_vertex(int accessor, const Vertices& vertices, const char* name, const std::string& where) const;
 
     const tinygltf::Model& model_;
     AccessorReader& accessors_;

@@ -1,6 +1,7 @@
 #include "io/import/vertices.h"
 
 #include <algorithm>
+#include <iterator>
 #include <unordered_map>
 
 #include "io/import/bits_key.h"
@@ -10,7 +11,7 @@ namespace occam::import {
 
 namespace {
 
-// Moves vertex v to new_of[v], or drops it if that is kNoIndex; of several vertices that go to one place the first stays.
+// Moves vertex v to new_of[v]; of several vertices that go to one place the first stays.
 struct Renumbering {
     std::vector<std::uint32_t> new_of;
     std::size_t count = 0;
@@ -20,8 +21,7 @@ struct Renumbering {
     {
         if (values.empty()) return;
         std::vector<T> out(count);
-        for (std::size_t v = new_of.size(); v-- > 0;)
-            if (new_of[v] != kNoIndex) out[new_of[v]] = values[v];
+        for (std::size_t v = new_of.size(); v-- > 0;) out[new_of[v]] = values[v];
         values = std::move(out);
     }
     template <class T>
@@ -73,20 +73,31 @@ void weld_values(std::vector<Vec>& values, std::vector<std::uint32_t>& indices, 
 
 }  // namespace
 
-void drop_unused_vertices(Cage& cage)
+std::optional<std::vector<std::uint32_t>> choose_used_vertices(std::vector<std::uint32_t>& corners, std::size_t vertices)
 {
-    const std::size_t vertices = cage.positions.size();
-    std::vector<unsigned char> is_used(vertices, 0);
-    for (std::uint32_t v : cage.face_vertices)
-        if (v < vertices) is_used[v] = 1;
-    if (std::find(is_used.begin(), is_used.end(), 0) == is_used.end()) return;
-    Renumbering renumbering;
-    renumbering.new_of.assign(vertices, kNoIndex);
-    for (std::size_t v = 0; v < vertices; ++v)
-        if (is_used[v]) renumbering.new_of[v] = static_cast<std::uint32_t>(renumbering.count++);
-    renumbering.apply(cage);
-    for (UvSet& set : cage.uv_sets)
-        if (set.indices.empty()) renumbering.apply(set.values);
+    constexpr std::size_t kFew = 8;  // so many vertices for a corner still take less time in a table than in a sorted list
+    std::vector<std::uint32_t> used;
+    if (vertices / kFew <= corners.size()) {
+        std::vector<std::uint32_t> new_of(vertices, kNoIndex);
+        for (const std::uint32_t v : corners)
+            if (v < vertices) new_of[v] = 0;
+        for (std::size_t v = 0; v < vertices; ++v) {
+            if (new_of[v] == kNoIndex) continue;
+            new_of[v] = static_cast<std::uint32_t>(used.size());
+            used.push_back(static_cast<std::uint32_t>(v));
+        }
+        if (used.size() == vertices) return std::nullopt;
+        for (std::uint32_t& v : corners) v = v < vertices ? new_of[v] : kNoIndex;
+        return used;
+    }
+    std::copy_if(corners.begin(), corners.end(), std::back_inserter(used), [&](std::uint32_t v) { return v < vertices; });
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    const auto new_of = [&](std::uint32_t v) {
+        return static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), v) - used.begin());
+    };
+    for (std::uint32_t& v : corners) v = v < vertices ? new_of(v) : kNoIndex;
+    return used;
 }
 
 void weld_by_position(Cage& cage)

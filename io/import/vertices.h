@@ -1,12 +1,18 @@
-// Renumbering of the vertices of a cage: it leaves out what no face uses, and joins vertices of equal position.
+// Renumbering of the vertices of a cage: it chooses what faces use, and joins vertices of equal position.
 #pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "scenegraph/cage.h"
 
 namespace occam::import {
 
-/// Removes vertices that no face refers to.
-void drop_unused_vertices(Cage& cage);
+/// Renumbers corners so that they count only those vertices that they use, in the same order, and returns these; none if all
+/// are used. Corners that are not below the number of vertices become kNoIndex. The time depends on the number of corners
+/// alone, up to a logarithm.
+std::optional<std::vector<std::uint32_t>> choose_used_vertices(std::vector<std::uint32_t>& corners, std::size_t vertices);
 
 /// Joins vertices of equal position. Texture coordinates and colours become face-varying, and each different value at
 /// a vertex is kept once. Normals are dropped.

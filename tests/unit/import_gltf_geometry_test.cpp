@@ -174,5 +174,33 @@ TEST(ImportGltfGeometry, BumpMapsAreExtrasOfMaterials)
     EXPECT_TRUE(warns(load(with(R"({"texture": 0, "texCoord": 7})")), "TEXCOORD_0 and TEXCOORD_1"));
 }
 
+// What an accessor does not hold is zero (glTF 2.0, sec. 3.6.2.3): in the fourth component, too.
+TEST(ImportGltfGeometry, ElementsThatAnAccessorLeavesOutAreZero)
+{
+    const TempFolder folder;
+    Gltf g = square();
+    g.put<std::uint8_t>({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+    g.put<float>({1, 0, 0, 0, 1, 0, 0, 0, 0.1875f, 0, 0, 0, 1, 0, 0, 0});
+    g.put<std::uint8_t>({2});
+    g.put<float>({0.125f, 0.25f, 0.0625f, 0.375f});
+    g.accessor(R"({"bufferView": 2, "componentType": 5121, "count": 4, "type": "VEC4"})");
+    g.accessor(R"({"bufferView": 3, "componentType": 5126, "count": 4, "type": "VEC4"})");
+    g.accessor(R"({"componentType": 5126, "count": 4, "type": "VEC4", "sparse": {"count": 1,
+        "indices": {"bufferView": 4, "componentType": 5121}, "values": {"bufferView": 5}}})");
+    g.accessor(R"({"componentType": 5126, "count": 4, "type": "VEC4"})");
+    g.meshes =
+        R"({"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 3, "JOINTS_1": 2, "WEIGHTS_1": 4,
+            "COLOR_0": 4}, "indices": 1}, {"attributes": {"POSITION": 0, "COLOR_0": 5}, "indices": 1}]})";
+    const Vec4f given(0.125f, 0.25f, 0.0625f, 0.375f);
+    const std::vector<Vec4f> expected = {Vec4f(0), Vec4f(0), given, Vec4f(0)};
+    const Scene scene = load(g.write(folder));
+    const auto list = cages(scene);
+    ASSERT_EQ(list.size(), 2u);
+    EXPECT_EQ(list[0]->colors, expected);
+    ASSERT_EQ(list[0]->skin.sets, 2);
+    EXPECT_EQ(std::vector<Vec4f>(list[0]->skin.weights.begin() + 4, list[0]->skin.weights.end()), expected);
+    EXPECT_EQ(list[1]->colors, std::vector<Vec4f>(4, Vec4f(0)));
+}
+
 }  // namespace
 }  // namespace occam::test
