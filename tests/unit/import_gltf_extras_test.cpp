@@ -178,6 +178,30 @@ TEST(ImportGltf, EmptyExtrasAreWarnings)
                                         "'environment' is empty, and is not read (scenes[0].extras.occam)"}));
 }
 
+// A node that overrides the materials of a cage takes them from no other node that shows the file.
+TEST(ImportGltf, TheMaterialsOfACageFileAreThereWhateverOtherNodesSay)
+{
+    const TempFolder folder;
+    folder.write("c.mtl", "newmtl red\nKd 1 0 0\n");
+    folder.write("c.obj", "mtllib c.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl red\nf 1 2 3\n");
+    const std::string own = R"({"name": "own", "extras": {"occam": {"cage": "c.obj"}}})",
+                      gold = R"({"name": "gold", "extras": {"occam": {"cage": "c.obj", "material": 0}}})";
+    for (const std::string& nodes : {own + ", " + gold, gold + ", " + own, gold + ", " + own + ", " + own + ", " + gold}) {
+        Gltf g;
+        g.nodes = nodes;
+        g.more = R"(, "materials": [{"name": "gold"}])";
+        const Scene scene = load(g.write(folder));
+        EXPECT_EQ(scene.counts().cages, 2u) << "one with materials and one without";
+        scene.for_each_placement([&](NodeId, const Node& node, const Mat4d&) {
+            if (node.cages.empty()) return;
+            const Cage& cage = scene.cage(node.cages.at(0)).cage;
+            const std::vector<MaterialId>& materials = node.materials.empty() ? cage.materials : node.materials;
+            ASSERT_FALSE(materials.empty()) << node.name;
+            EXPECT_EQ(scene.material(materials[0]).name, node.name == "own" ? "red" : "gold") << nodes;
+        });
+    }
+}
+
 // The arrays of parts that move need not match those of other parts, in whatever order they are.
 TEST(ImportGltf, APartThatMovesStaysItsOwnCageAfterOneThatDoesNot)
 {
