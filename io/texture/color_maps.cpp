@@ -45,9 +45,9 @@ std::vector<std::byte> with_whole_tga_map(std::span<const std::byte> file)
     const std::size_t bytes = head.color_bytes(), given = head.length * bytes;
     if (!head.has_numbers || head.colors_at > file.size() || given > file.size() - head.colors_at) return out;
     // The footer leads to places of the file that move, and to nothing but descriptions.
-    constexpr std::string_view kMark("TRUEVISION-XFILE.\0", 18);
+    constexpr std::string_view kTgaMark("TRUEVISION-XFILE.\0", 18);
     constexpr std::size_t kFooter = 26;
-    if (out.size() >= kFooter && std::memcmp(&out[out.size() - kMark.size()], kMark.data(), kMark.size()) == 0)
+    if (out.size() >= kFooter && std::memcmp(&out[out.size() - kTgaMark.size()], kTgaMark.data(), kTgaMark.size()) == 0)
         out.resize(out.size() - kFooter);
     if (head.colors_at + given > out.size()) return out;
     // The map holds the colours from `first` on; the library would add `first` to the numbers instead.
