@@ -13,7 +13,7 @@ std::string view_of(std::size_t begin, std::size_t bytes)
 {
     return R"({"buffer": 0, "byteOffset": )" + std::to_string(begin) + R"(, "byteLength": )" + std::to_string(bytes) + "}";
 }
-void append_u32(std::string& to, std::uint32_t x)
+void append_bytes_of(std::string& to, std::uint32_t x)
 {
     for (int i = 0; i < 4; ++i) to += static_cast<char>(x >> 8 * i & 0xff);
 }
@@ -25,11 +25,11 @@ Gltf slices(std::uint32_t parts, std::uint32_t size)
     const std::uint32_t vertices = parts * size;
     for (std::uint32_t v = 0; v < vertices; ++v)
         for (const float x : {float(v % size), float(v % 2), float(v / size)})
-            append_u32(g.bin, std::bit_cast<std::uint32_t>(x));
+            append_bytes_of(g.bin, std::bit_cast<std::uint32_t>(x));
     const std::size_t places = g.bin.size();
     for (std::uint32_t p = 0; p < parts; ++p)
         for (std::uint32_t v = 0; v + 2 < size; ++v)
-            for (std::uint32_t c = 0; c < 3; ++c) append_u32(g.bin, p * size + v + c);
+            for (std::uint32_t c = 0; c < 3; ++c) append_bytes_of(g.bin, p * size + v + c);
     g.buffer_views = view_of(0, places) + ", " + view_of(places, g.bin.size() - places);
     g.accessor(R"({"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": )" + std::to_string(vertices) +
                R"(, "min": [0, 0, 0], "max": [)" + std::to_string(size - 1) + ", 1, " + std::to_string(parts - 1) + "]}");
