@@ -16,6 +16,9 @@ namespace occam {
 /// Grows a box of a cage's undisplaced surface to hold the displaced one.
 Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept;
 
+/// Returns the vertices that no face of the cage has, in ascending order.
+std::vector<std::uint32_t> unused_vertices(const Cage& cage);
+
 /// Computes the bounds of a slot's cage and of what deforms it. The slot stays as it is if there is no memory for them; a
 /// cage without keys, skin and morph targets needs none.
 void find_bounds(CageSlot& slot);

@@ -133,7 +133,7 @@ struct Extremes {
 struct AccessorReader::Layout : Elements {};
 
 AccessorReader::AccessorReader(const tinygltf::Model& model, const Report& report)
-    : model_(model), report_(report), copies_(report), expansion_bytes_(most_bytes())
+    : model_(model), report_(report), expansion_bytes_(most_bytes()), copies_(report)
 {
 }
 
