@@ -5,6 +5,9 @@
 // kd-tree (accel/traverse.h).
 #pragma once
 
+#include <bit>
+#include <utility>
+
 #include "accel/bvh.h"
 #include "accel/keyed_boxes.h"
 
@@ -41,9 +44,7 @@ public:
     {
         if constexpr (kAreKept)
             if (node.keys.segments > 0) {
-                const KeyedBoxes<F> keyed(node.boxes(), kBoxGroupFloats, node.keys, times);
-                keyed.sweep(swept_.floats);
-                loose_ = keyed.grown(swept_.floats);
+                loose_ = KeyedBoxes<F>(node.boxes(), kBoxGroupFloats, node.keys, times).sweep(swept_.floats);
             }
     }
 
@@ -101,6 +102,20 @@ inline bool is_leaf_of_all(const Bvh& tree, const BvhLink* node, int finest, int
     return pairs.has(finest) && pairs.has(coarsest);
 }
 
+/// Returns the children whose bits are set in `entered`, a byte each: the one that is entered last is in the lowest byte.
+OCCAM_NEVER_INLINE inline std::uint64_t last_entered_first(unsigned entered, const float* begin) noexcept
+{
+    std::uint64_t order = 0;
+    for (int shift = 0; entered != 0; shift += 8) {
+        int last = std::countr_zero(entered);
+        for (unsigned others = entered & (entered - 1); others != 0; others &= others - 1)
+            if (const int other = std::countr_zero(others); begin[other] > begin[last]) last = other;
+        order |= std::uint64_t(last) << shift;
+        entered &= ~(1u << last);
+    }
+    return order;
+}
+
 /// Does what traverse() of a KdTree does.
 template <class F, class Times, class LimitFn, class LeafFn>
 bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counters, LimitFn&& limit, LeafFn&& leaf)
@@ -112,46 +127,52 @@ bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counte
     using Boxes = ChildBoxes<F, Times>;
     using Todo = typename Boxes::Child;
     Todo todo[(Bvh::kMaxDepth + 1) * BvhNode::kWidth];
-    int size = 0;
+    Todo* top = todo;
     Todo next{tree.root(), nullptr, 0, -FLT_MAX, {}};
+    F end_now = limit();  // it changes at leaves alone
     while (true) {
-        F in = rays.t_near, out = min(rays.t_far, limit());
+        F in = rays.t_near, out = min(rays.t_far, end_now);
         // A single ray knows that it enters the box. It needs to know where only if it may see several pairs there.
         bool is_clipped = !next.parent || (kIsOne && pairs.finest == pairs.coarsest);
-        const auto clip_now = [&] {
+        const auto clip_now = [&]() __attribute__((always_inline))
+        {
             if (!is_clipped) Boxes::clip_to(ray, rays.times, next, in, out);
             is_clipped = true;
         };
-        if (!kIsOne) clip_now();
+        if constexpr (!kIsOne) clip_now();
         MaskOf<F> alive = in <= out;
         if constexpr (Boxes::kAreKept)
             if (next.parent && next.parent->visible_in)
                 alive = alive & rays.times.are_in(next.parent->visible_in[next.child]);
+        bool goes_down = false;
         while (any(alive)) {
             const BvhState at = next.node->state();
             if constexpr (requires { leaf.enters(next.node, true, in, out); })
                 leaf.enters(next.node, at.is_interior() && at.node().level >= pairs.finest, in, out);
             if (!at.is_interior() || at.node().level < pairs.finest) {
-                if (kIsOne && !is_clipped && !is_leaf_of_all(tree, next.node, pairs.finest, pairs.coarsest)) {
-                    clip_now();
-                    alive = in <= out;
-                    if (none(alive)) break;
-                }
+                if constexpr (kIsOne)
+                    if (!is_clipped && !is_leaf_of_all(tree, next.node, pairs.finest, pairs.coarsest)) {
+                        clip_now();
+                        alive = in <= out;
+                        if (none(alive)) break;
+                    }
                 const LeafResult result = leaf(next.node, alive, in, out, pairs.finest, pairs.coarsest);
                 if (result == LeafResult::Abandoned) return false;
+                end_now = limit();
                 if (result == LeafResult::Expanded) continue;
                 break;
             }
             BvhNode& node = at.node();
             if (node.level < pairs.coarsest) {
-                if (kIsOne) clip_now();
+                if constexpr (kIsOne) clip_now();
                 const F from = max(in, pairs.in(node.level + 1, pairs.coarsest)),
                         to = min(out, pairs.out(node.level + 1, pairs.coarsest));
                 const MaskOf<F> coarse = alive & (from <= to);
                 if (any(coarse)) {
                     if (leaf(next.node, coarse, from, to, node.level + 1, pairs.coarsest) == LeafResult::Abandoned)
                         return false;
-                    out = min(out, limit());
+                    end_now = limit();
+                    out = min(out, end_now);
                 }
                 in = max(in, pairs.in(pairs.finest, node.level));
                 out = min(out, pairs.out(pairs.finest, node.level));
@@ -162,40 +183,46 @@ bool traverse(Bvh& tree, const RaysInTree<F, Times>& rays, TraceCounters& counte
             if constexpr (Times::kMoves)
                 if (node.is_halved()) {
                     // Rays of either half go into its child; those that need not are not kept from it.
-                    if (rays.times.last >= node.halved_at) todo[size++] = {&node.children[1], nullptr, 0, next.begin, {}};
-                    if (rays.times.first <= node.halved_at) todo[size++] = {&node.children[0], nullptr, 0, next.begin, {}};
+                    if (rays.times.last >= node.halved_at) *top++ = {&node.children[1], nullptr, 0, next.begin, {}};
+                    if (rays.times.first <= node.halved_at) *top++ = {&node.children[0], nullptr, 0, next.begin, {}};
                     break;
                 }
             alignas(32) float begin[BvhNode::kWidth];
             const float end = highest(select(alive, out, F(-FLT_MAX)));
             const Boxes boxes(node, rays.times);
-            // The nearest one comes last and is taken first.
-            int order[BvhNode::kWidth], count = 0;
             unsigned entered = boxes.entered(rays.as_one, end, begin);
             if constexpr (Times::kMoves)
                 if (node.visible_in) entered &= node.seen_in(rays.times.segments());
-            for (; entered != 0; entered &= entered - 1) {
-                const int child = std::countr_zero(entered);
-                int k = count++;
-                for (; k > 0 && begin[child] > begin[order[k - 1]]; --k) order[k] = order[k - 1];
-                order[k] = child;
-            }
-            for (int k = 0; k < count; ++k) {
-                const int child = order[k];
+            if (entered == 0) break;
+            const auto set = [&](Todo & to, int child) __attribute__((always_inline))
+            {
                 // It is written where it stays, since reading whole what was just written in parts would wait.
-                Todo& to = todo[size++];
                 to.node = &node.children[child];
                 to.parent = &node;
                 to.child = child;
                 to.begin = begin[child];
                 boxes.keep(child, to.kept);
+            };
+            // The nearest child is next. The others wait, the farthest of them longest.
+            int nearest = std::countr_zero(entered);
+            if (const unsigned others = entered & (entered - 1); (others & (others - 1)) != 0) {
+                std::uint64_t order = last_entered_first(entered, begin);
+                for (int left = std::popcount(others); left > 0; --left, order >>= 8) set(*top++, int(order & 0xff));
+                nearest = static_cast<int>(order);
+            } else if (others != 0) {
+                int farther = std::countr_zero(others);
+                if (begin[farther] <= begin[nearest]) std::swap(farther, nearest);
+                set(*top++, farther);
             }
+            set(next, nearest);
+            goes_down = true;
             break;
         }
-        const float far = highest(limit());
+        if (goes_down) continue;
+        const float far = highest(end_now);
         do {
-            if (size == 0) return true;
-            next = todo[--size];
+            if (top == todo) return true;
+            next = *--top;
         } while (!(next.begin <= far));
     }
 }

@@ -36,6 +36,7 @@ public:
         : time(min(max(all, F(0.0f)), F(1.0f))),
           first(lowest(time)),
           last(highest(time)),
+          segments_(segments),
           per_time_(static_cast<float>(segments)),
           whole_{key_time_in({segments, 0, per_time_}, first), key_time_in({segments, 0, per_time_}, last)}
     {
@@ -43,7 +44,7 @@ public:
 
     /// Takes the time of one ray of a packet.
     template <class Packet>
-    RayTimes(const RayTimes<Packet>& times, int lane) noexcept : RayTimes(lane_of(times.time, lane), int(times.per_time_))
+    RayTimes(const RayTimes<Packet>& times, int lane) noexcept : RayTimes(lane_of(times.time, lane), times.segments_)
     {
     }
 
@@ -55,9 +56,7 @@ public:
     /// Returns which rays have their time in one of these segments of the shutter.
     OCCAM_NEVER_INLINE MaskOf<F> are_in(std::uint32_t segments) const noexcept
     {
-        const auto is_in = [&](float at) {
-            return (segments >> lod::key_time(at, static_cast<int>(per_time_)).key & 1) != 0;
-        };
+        const auto is_in = [&](float at) { return (segments >> lod::key_time(at, segments_).key & 1) != 0; };
         if constexpr (std::is_same_v<F, float>) return is_in(time);
         else {
             alignas(32) float in[sizeof(F) / sizeof(float)];
@@ -71,7 +70,7 @@ public:
     /// nodes have, are known: no other interval has as many keys at these distances.
     OCCAM_ALWAYS_INLINE std::pair<lod::KeyTime, lod::KeyTime> ends_in(const KeySpan& keys) const noexcept
     {
-        if (float(keys.segments) == per_time_ && keys.per_time == per_time_) return whole_;
+        if (keys.segments == segments_ && keys.per_time == per_time_) return whole_;
         return {key_time_in(keys, first), key_time_in(keys, last)};
     }
 
@@ -79,6 +78,7 @@ private:
     template <class Other>
     friend class RayTimes;
 
+    int segments_;
     float per_time_;
     std::pair<lod::KeyTime, lod::KeyTime> whole_;
 };
@@ -99,46 +99,42 @@ public:
         std::tie(from_, to_) = times.ends_in(keys);
     }
 
-    /// Writes eight boxes that hold those of the group at the times of all rays.
-    OCCAM_ALWAYS_INLINE void sweep(float* swept) const noexcept
-    {
-        const float* here = key(from_.key);
-        if (kIsOne || from_.key == to_.key) {
-            const vfloat first = from_.share, last = to_.share;
-            for (int at = 0; at < kBoxGroupFloats; at += kLanes) {
-                const vfloat a = vfloat::load(here + stored(at)), b = vfloat::load(here + stride_ + stored(at));
-                vfloat all = lod::between_keys(first, a, b);
-                if constexpr (!kIsOne) {
-                    const vfloat other = lod::between_keys(last, a, b);
-                    all = at < kBoxGroupFloats / 2 ? min(all, other) : max(all, other);
-                }
-                all.store(swept + at);
-            }
-            return;
-        }
-        for (int at = 0; at < kBoxGroupFloats; at += kLanes) {
-            vfloat all = at_moment(from_, at);
-            const auto add = [&](vfloat x) { all = at < kBoxGroupFloats / 2 ? min(all, x) : max(all, x); };
-            add(at_moment(to_, at));
-            for (int k = from_.key + 1; k <= to_.key; ++k) add(vfloat::load(key(k) + stored(at)));
-            all.store(swept + at);
-        }
-    }
-    /// Returns, as bits, which of the eight boxes that sweep() has written are much larger than at the first time.
-    OCCAM_ALWAYS_INLINE unsigned grown(const float* swept) const noexcept
+    /// Writes eight boxes that hold those of the group at the times of all rays. Returns, as bits, which of them are much
+    /// larger than at the first time.
+    OCCAM_ALWAYS_INLINE unsigned sweep(float* swept) const noexcept
     {
         constexpr float kMuchLarger = 1.5f;
-        unsigned all = 0;
-        for (int first = 0; first < kBoxGroup; first += kLanes) {
-            vfloat at_first = 0.0f, at_all = 0.0f;
-            for (int a = 0; a < 3; ++a) {
-                const int lo = a * kBoxGroup + first, hi = lo + 3 * kBoxGroup;
-                at_first = at_first + (at_moment(from_, hi) - at_moment(from_, lo));
-                at_all = at_all + (vfloat::load(swept + hi) - vfloat::load(swept + lo));
+        constexpr int kHalf = kBoxGroupFloats / 2;
+        vfloat at_first[kBoxGroup / kLanes], at_all[kBoxGroup / kLanes];  // sums of extents
+        for (int i = 0; i < kBoxGroup / kLanes; ++i) at_first[i] = at_all[i] = 0.0f;
+        const auto note = [&](int at, vfloat first, vfloat all) {
+            all.store(swept + at);
+            const int i = at / kLanes % (kBoxGroup / kLanes);
+            at_first[i] = at < kHalf ? at_first[i] - first : at_first[i] + first;
+            at_all[i] = at < kHalf ? at_all[i] - all : at_all[i] + all;
+        };
+        const float* here = key(from_.key);
+        if (from_.key == to_.key) {
+            const vfloat first = from_.share, last = to_.share;
+            for (int at = 0; at < kBoxGroupFloats; at += kLanes) {
+                const vfloat a = vfloat::load(here + stored(at)), way = vfloat::load(here + stride_ + stored(at)) - a;
+                const vfloat one = fma(first, way, a), other = fma(last, way, a);
+                note(at, one, at < kHalf ? min(one, other) : max(one, other));
             }
-            all |= bits(at_all > at_first * vfloat(kMuchLarger)) << first;
+        } else {
+            for (int at = 0; at < kBoxGroupFloats; at += kLanes) {
+                const vfloat first = at_moment(from_, at);
+                vfloat all = first;
+                const auto add = [&](vfloat x) { all = at < kHalf ? min(all, x) : max(all, x); };
+                add(at_moment(to_, at));
+                for (int k = from_.key + 1; k <= to_.key; ++k) add(vfloat::load(key(k) + stored(at)));
+                note(at, first, all);
+            }
         }
-        return all;
+        unsigned grown = 0;
+        for (int i = 0; i < kBoxGroup / kLanes; ++i)
+            grown |= bits(at_all[i] > at_first[i] * vfloat(kMuchLarger)) << (i * kLanes);
+        return grown;
     }
     /// Does what RaysAsOne::in_boxes does.
     OCCAM_ALWAYS_INLINE unsigned in_boxes(const RaysAsOne<F>& rays, float end, float* begin) const noexcept
@@ -181,7 +177,7 @@ private:
     {
         const float *here = key(k) + box, *next = here + stride_;
         const F share = at - F(float(k));
-        for (int p = 0; p < 6; ++p) planes[p] = lod::between_keys(share, F(here[p * row()]), F(next[p * row()]));
+        for (int p = 0; p < 6; ++p) planes[p] = between(share, F(here[p * row()]), F(next[p * row()]));
     }
     const float* key(int k) const noexcept { return boxes_ + static_cast<std::size_t>(k) * stride_; }
     /// Returns the number of floats in a row.
@@ -191,7 +187,14 @@ private:
     OCCAM_ALWAYS_INLINE vfloat at_moment(const lod::KeyTime& moment, int place) const noexcept
     {
         const float* here = key(moment.key) + stored(place);
-        return lod::between_keys(vfloat(moment.share), vfloat::load(here), vfloat::load(here + stride_));
+        return between(vfloat(moment.share), vfloat::load(here), vfloat::load(here + stride_));
+    }
+    /// Returns about what lod::between_keys() does. At a key it may be off by as much as between keys, for which boxes have
+    /// room.
+    template <class V>
+    OCCAM_ALWAYS_INLINE static V between(V share, V a, V b) noexcept
+    {
+        return fma(share, b - a, a);
     }
 
     const float* boxes_;
