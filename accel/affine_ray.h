@@ -18,27 +18,8 @@ struct AffineRay {
     AffineRay() = default;
     AffineRay(const Ray& ray, const lod::PosedCage& still_pose) noexcept : pose(still_pose.affine->at(ray.time))
     {
-        const Vec3d &a = pose.columns[0], &b = pose.columns[1], &c = pose.columns[2];
-        const Vec3d bc = glm::cross(b, c), ca = glm::cross(c, a), ab = glm::cross(a, b);
-        const double inverse = 1 / glm::dot(a, bc);
-        const auto to_still = [&](Vec3d v) {
-            return Vec3d(glm::dot(bc, v) * inverse, glm::dot(ca, v) * inverse, glm::dot(ab, v) * inverse);
-        };
-        const Vec3d way(ray.direction), d = to_still(way);
-        Vec3d from = to_still(ray.origin - pose.anchor);
-        // As in place(), an origin that is far away is moved along the ray to near the cage.
-        const double squared = glm::dot(d, d), along = -glm::dot(from, d), near = double(kNearRadii) * still_pose.radius;
-        shift = 0;
-        if (along > 0 && along * along > near * near * squared) {
-            shift = static_cast<float>(along / squared);
-            from += d * double(shift);
-        }
-        for (int k = 0; k < 3; ++k) {
-            origin[k] = static_cast<float>(from[k]);
-            direction[k] = static_cast<float>(d[k]);
-            gradient[k] = static_cast<float>(glm::dot(way, pose.columns[k]));
-        }
-        axes = RayAxes(RayAxes::group_of(direction));
+        if (const lod::AffineInverse* fixed = still_pose.affine->fixed_inverse()) set(ray, still_pose, *fixed);
+        else set(ray, still_pose, lod::AffineInverse(pose));
     }
 
     /// Returns the ray in all lanes, without its blend.
@@ -60,6 +41,27 @@ struct AffineRay {
         }
         all.shift = shift;
         return all;
+    }
+
+private:
+    OCCAM_ALWAYS_INLINE void set(const Ray& ray, const lod::PosedCage& still_pose,
+                                 const lod::AffineInverse& inverse) noexcept
+    {
+        const Vec3d way(ray.direction), d = inverse.apply(way);
+        Vec3d from = inverse.apply(ray.origin - pose.anchor);
+        // As in place(), an origin that is far away is moved along the ray to near the cage.
+        const double squared = glm::dot(d, d), along = -glm::dot(from, d), near = double(kNearRadii) * still_pose.radius;
+        shift = 0;
+        if (along > 0 && along * along > near * near * squared) {
+            shift = static_cast<float>(along / squared);
+            from += d * double(shift);
+        }
+        for (int k = 0; k < 3; ++k) {
+            origin[k] = static_cast<float>(from[k]);
+            direction[k] = static_cast<float>(d[k]);
+            gradient[k] = static_cast<float>(glm::dot(way, pose.columns[k]));
+        }
+        axes = RayAxes(RayAxes::group_of(direction));
     }
 };
 

@@ -31,15 +31,29 @@ Times times_of(std::span<const Ray> rays, [[maybe_unused]] int segments) noexcep
 template <class F, class Times>
 class LeafGroup {
 public:
-    /// has_boxes_of_nodes   whether the rays were tested against the box around the leaf
-    LeafGroup(const TreeLeaf& leaf, std::size_t first, const Times& times, bool has_boxes_of_nodes) noexcept
+    /// has_boxes_of_nodes    whether the rays were tested against the box around the leaf
+    /// has_boxes_of_igrids   whether boxes of igrids have replaced those of their items
+    LeafGroup(const TreeLeaf& leaf, std::size_t first, const Times& times, bool has_boxes_of_nodes,
+              bool has_boxes_of_igrids) noexcept
         : leaf_(leaf),
           boxes_(leaf.boxes + first / kBoxGroup * kBoxGroupFloats),
           times_(times),
-          is_tested_(has_boxes_of_nodes && leaf.entries.size() == 1)
+          is_tested_(has_boxes_of_nodes && leaf.entries.size() == 1),
+          has_boxes_of_igrids_(has_boxes_of_igrids)
     {
     }
 
+    /// Returns, as bits, the boxes of the group if they had better not be tested against all rays of a packet as one: where
+    /// there are so few of them, testing each by enter() costs less. Else returns 0.
+    OCCAM_ALWAYS_INLINE unsigned few() const noexcept
+    {
+        constexpr std::size_t kFew = Times::kMoves ? 2 : 1;
+        if (leaf_.entries.size() > kFew) return 0;
+        if (is_tested_) return 1;
+        if constexpr (Times::kMoves)
+            if (leaf_.keys.segments > 0) return (1u << leaf_.entries.size()) - 1;
+        return 0;
+    }
     OCCAM_ALWAYS_INLINE unsigned in_boxes(const RaysAsOne<F>& as_one, float end, float* begin) const noexcept
     {
         if (is_tested_) {
@@ -70,9 +84,12 @@ public:
             if (leaf_.keys.segments > 0) {
                 // A ray alone was tested by in_boxes(), with the same box unless the igrid's box has replaced it.
                 const bool is_known = std::is_same_v<F, float> && !is_tested_;
-                const MaskOf<F> inside = is_known || (is_tested_ && !made) ? MaskOf<F>(true)
-                                                                           : enter(Moving{keyed(), box}, far);
-                return made ? inside & enter(made->bounds, far) : inside;
+                const bool has_slab = made && made->bounds.slab.hi != FLT_MAX;
+                if (is_known || (is_tested_ && !made))
+                    return !made || (has_boxes_of_igrids_ && !has_slab) ? MaskOf<F>(true) : enter(made->bounds, far);
+                if (!made || has_boxes_of_igrids_)
+                    return enter(Moving{keyed(), box, has_slab ? &made->bounds.slab : nullptr}, far);
+                return enter(Moving{keyed(), box, nullptr}, far) & enter(made->bounds, far);
             }
         // The box of a node whose only igrid has no slab is all that bounds it: the rays here are in it already.
         if (is_tested_ && (!made || made->bounds.slab.hi == FLT_MAX)) return MaskOf<F>(true);
@@ -84,6 +101,7 @@ private:
     struct Moving {
         KeyedBoxes<F, true> group;
         int box;
+        const Slab* slab;  ///< of the igrid, for all times; null if it has none
         void clip_to(const TreeRay<F>& ray, F& t_near, F& t_far) const noexcept { group.clip_to(ray, box, t_near, t_far); }
     };
     auto keyed() const noexcept { return KeyedBoxes<F, true>(boxes_, leaf_.stride(), leaf_.keys, times_); }
@@ -91,7 +109,7 @@ private:
     const TreeLeaf& leaf_;
     const float* boxes_;
     const Times& times_;
-    const bool is_tested_;
+    const bool is_tested_, has_boxes_of_igrids_;
 };
 
 }  // namespace occam::accel

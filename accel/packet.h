@@ -61,6 +61,15 @@ void start(Found& found, std::span<const Ray> rays)
     }
 }
 
+/// Does the same for one ray alone; the other lanes are never read.
+template <class Found>
+void start_one(Found& found, const Ray& ray, int lane)
+{
+    found.t[lane] = ray.t_far;
+    if constexpr (std::is_base_of_v<Nearest, Found>) found.grid[lane] = nullptr;
+    if constexpr (std::is_base_of_v<NearestSome, Found>) found.count[lane] = 0;
+}
+
 /// Gathers four consecutive floats for each ray from `things`, `offset` bytes into each element. Lanes past the last
 /// ray repeat it and are never alive.
 template <class Thing>

@@ -188,7 +188,7 @@ private:
                     // The first ray stands for all that are not known yet.
                     still_axes_ = ray.axes;
                     are_alike_ = 0;
-                    for (int i = 0; i < kRays; ++i) still_.set(i, ray);
+                    still_.fill(ray);
                 }
                 placed_ |= 1u << lane;
                 if (!(ray.axes == still_axes_)) continue;
@@ -263,6 +263,15 @@ private:
     struct StillRays {
         alignas(32) float rows[10][kRays];
 
+        void fill(const AffineRay& ray) noexcept
+        {
+            for (int a = 0; a < 3; ++a) {
+                Lanes(ray.origin[a]).store(rows[a]);
+                Lanes(ray.direction[a]).store(rows[4 + a]);
+                Lanes(ray.gradient[a]).store(rows[7 + a]);
+            }
+            Lanes(ray.shift).store(rows[3]);
+        }
         void set(int i, const AffineRay& ray) noexcept
         {
             for (int a = 0; a < 3; ++a) {

@@ -101,8 +101,9 @@ bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t coun
         const Holes holes(frame, rays, axes, single_levels);
         for (std::size_t i = 0; i < rays.size(); ++i) {
             SingleQuery<Found> query;
-            prepare(query, rays, holes);
             query.only = static_cast<int>(i);
+            start_one(query, rays[i], query.only);
+            set_wishes(query, holes);
             if (!in_tree([&](auto way) { return run_single<decltype(way)>(rays[i], axes, memory_bytes, query); }))
                 return false;
             Blends blends(single_levels);

@@ -94,6 +94,11 @@ struct Tracer::State {
     void prepare(Query& query, std::span<const Ray> rays, const Holes& holes) const noexcept
     {
         start(query, rays);
+        set_wishes(query, holes);
+    }
+    template <class Query>
+    void set_wishes(Query& query, const Holes& holes) const noexcept
+    {
         query.holes = &holes;
         if constexpr (std::is_base_of_v<NearestSome, Query>) query.wanted = wanted_hits;
     }

@@ -103,7 +103,8 @@ private:
         F in = begin_, out = far;
         if constexpr (!std::is_same_v<Bounds, GridBounds>) {
             bounds.clip_to(ray_, in, out);
-            return in <= out;
+            const Mask inside = in <= out;
+            return !bounds.slab || none(inside) ? inside : Mask(inside & crosses(ray_, *bounds.slab, in, out));
         } else {
             clip(ray_, bounds.box, in, out);
             const Mask inside = in <= out;
@@ -145,6 +146,7 @@ private:
     {
         if constexpr (kIsOne) return group.in_boxes(as_one_, far, begin);
         else {
+            if (const unsigned few = group.few(); few != 0) return few;
             unsigned left = bits(here);
             if (std::popcount(left) > kFewRays) return group.in_boxes(as_one_, highest(far), nullptr);
             unsigned maybe = 0;
@@ -164,7 +166,7 @@ private:
         for (std::size_t first = 0; first < leaf.entries.size(); first += kBoxGroup) {
             if (first % kEntriesBetweenChecks == kEntriesBetweenChecks - kBoxGroup) throw_if_cancelled();
             alignas(32) float begin[kBoxGroup];
-            const LeafGroup<F, Times> group(leaf, first, times, std::is_same_v<Tree, Bvh>);
+            const LeafGroup<F, Times> group(leaf, first, times, std::is_same_v<Tree, Bvh>, !state_.gate);
             unsigned maybe = in_boxes_of(group, here, far, begin);
             while (maybe != 0) {
                 int next = std::countr_zero(maybe);

@@ -46,6 +46,13 @@ AffineMotion::AffineMotion(std::span<const AffinePose> keys) noexcept : keys_(ke
         for (const Vec3d& column : key.columns) squares += glm::dot(column, column);
         stretch_ = std::max(stretch_, std::sqrt(squares));
     }
+    const bool is_fixed = std::all_of(keys_.begin(), keys_.end(), [&](const AffinePose& key) {
+        return std::equal(key.columns, key.columns + 3, keys_.front().columns);
+    });
+    if (!is_fixed || keys_.size() < 2) return;
+    // Zeros have the signs that interpolation gives them.
+    const AffinePose first = at(0);
+    fixed_ = Fixed{first, AffineInverse(first)};
 }
 
 AffinePose AffineMotion::at(float tau) const noexcept
@@ -53,6 +60,10 @@ AffinePose AffineMotion::at(float tau) const noexcept
     const KeyTime time = key_time(tau, segments());
     const AffinePose &a = key(time.key), &b = key(time.key + 1);
     const auto share = double(time.share);
+    if (fixed_) {
+        const Vec3d(&fixed)[3] = fixed_->pose.columns;
+        return {{fixed[0], fixed[1], fixed[2]}, lerp(a.anchor, b.anchor, share)};
+    }
     return {{lerp(a.columns[0], b.columns[0], share), lerp(a.columns[1], b.columns[1], share),
              lerp(a.columns[2], b.columns[2], share)},
             lerp(a.anchor, b.anchor, share)};

@@ -148,6 +148,25 @@ void expect_hits_of_written_vertices(const Cage& cage, const PlacedMotion& motio
     EXPECT_TRUE(blended > 50 || cage.scheme == Scheme::Triangles) << motion.name;
 }
 
+TEST(AffineMotion, KeepsTheInverseOfAMapThatOnlySlides)
+{
+    const lod::AffinePose first{{{0, -2, 0}, {0.5, 0, 0.25}, {0, 0.125, 3}}, {7, -1, 4}};
+    lod::AffinePose slid = first, turned = first;
+    slid.anchor = {8, 2, -3};
+    turned.columns[1].y = 0.001;
+    const lod::AffinePose slides[] = {first, slid, first}, turns[] = {first, slid, turned};
+    const lod::AffineMotion sliding(slides), turning(turns);
+    EXPECT_EQ(turning.fixed_inverse(), nullptr);
+    ASSERT_NE(sliding.fixed_inverse(), nullptr);
+    for (const float tau : {0.0f, 0.3f, 0.5f, 0.9f, 1.0f}) {
+        EXPECT_EQ(sliding.at(tau).columns[1], first.columns[1]);
+        if (tau <= 0.5f) {
+            EXPECT_EQ(sliding.at(tau).anchor, turning.at(tau).anchor);
+        }
+        EXPECT_EQ(sliding.fixed_inverse()->apply({3, 1, -2}), lod::AffineInverse(sliding.at(tau)).apply({3, 1, -2}));
+    }
+}
+
 TEST(AffineMotion, FindsTheHitsOfACageWhoseVerticesMoveTheSameWay)
 {
     const Mat4d places[] = {Mat4d(1), moved_by({1e5, -2e4, 3e4}) * turned_about_y(0.7), scaled_by({-1, 1.5, 0.8})};
