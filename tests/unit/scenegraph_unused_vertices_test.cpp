@@ -14,8 +14,8 @@ Cage with_stray_vertex(Cage cage)
     cage.positions.insert(cage.positions.begin() + 1, Vec3f(1e6f, 0, 0));
     for (std::uint32_t& v : cage.face_vertices) v += v >= 1;
     for (Crease& crease : cage.creases) {
-        crease.vertices[0] += crease.vertices[0] >= 1;
-        crease.vertices[1] += crease.vertices[1] >= 1;
+        crease.v0 += crease.v0 >= 1;
+        crease.v1 += crease.v1 >= 1;
     }
     cage.positions.emplace_back(0.0f, -1e9f, 0.0f);
     return cage;
