@@ -3,6 +3,8 @@
 // Space    the parameter of a piece is in [0, 1]; derivatives are with respect to it.
 // Bits     Points are a pure function of the parameter and the control points, so every grid, level and tile that asks for a
 //          point gets the same bits. The order is fixed: first along v, then along u, coefficients in ascending order.
+//          Points of a curve along v, which borders are made of, go first along u (column_controls()), and may differ in
+//          their last bit from points that grids ask for, so that a border has points of its curve alone.
 #pragma once
 
 #include "base/simd.h"

@@ -55,7 +55,8 @@ private:
 
 class DerivedPoints {
 public:
-    /// The number of moves of a vertex. Each is at most 0.66 times as long as the one before, so the rest is below rounding.
+    /// The number of moves of a vertex. Each is at most 0.66 times as long as the one before, so the rest is at most a
+    /// ten-thousandth of the first one.
     static constexpr int kMoves = 24;
     static constexpr std::uint32_t kNone = ~0u;
 

@@ -10,7 +10,8 @@
 //          limit surface.
 // Corners  likewise: a vertex is evaluated at its lowest face.
 //
-// Memory   tables grow on demand: classes, and 8 + 4 n bytes for each patch used. They are freed with the object.
+// Memory   tables grow on demand: classes, 8 bytes for each patch and for each of its sets of coordinates, and some 60 + 4 n
+//          bytes for each patch used, which has n control points. They are freed with the object.
 // Threads  const calls from any thread; tables grow under a lock of this object.
 #pragma once
 
