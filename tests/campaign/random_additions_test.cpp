@@ -92,7 +92,7 @@ TEST(RandomAdditions, ShowWhatTheSceneShowedBefore)
         return;
     }
     std::size_t copies = 0;
-    for (std::uint64_t seed = 1; seed <= (is_long() ? 60u : 6u) && !HasFailure(); ++seed)
+    for (std::uint64_t seed = 1; seed <= (is_long() ? 60u : 8u) && !HasFailure(); ++seed)
         copies += expect_same_when_added(seed, 40);
     EXPECT_GT(copies, 3u) << "too few copies to test anything";
 }
