@@ -109,7 +109,7 @@ TEST(RandomEdits, ShowWhatANewRendererShowsOfANewScene)
     const auto end = Clock::now() + std::chrono::seconds(number_from("OCCAM_CAMPAIGN_SECONDS", 600)) / 3;
     std::uint64_t seed = 1;
     for (; (is_long() ? Clock::now() < end : seed <= 4) && !HasFailure(); ++seed)
-        expect_frames_of_new_scenes(seed, is_long() ? 30 : 6);
+        expect_frames_of_new_scenes(seed, is_long() ? 30 : 12);
     if (is_long()) std::cout << "tested seeds 1 to " << seed - 1 << '\n';
 }
 

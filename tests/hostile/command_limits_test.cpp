@@ -40,7 +40,7 @@ protected:
     {
         const std::vector<fs::path> all = scene_files_below(folder());
         std::vector<fs::path> some;
-        for (std::size_t i = 0; i < all.size(); i += is_long() ? 1 : 8) some.push_back(all[i]);
+        for (std::size_t i = 0; i < all.size(); i += is_long() ? 1 : 4) some.push_back(all[i]);
         return some;
     }
 

@@ -22,24 +22,12 @@ std::uint64_t number_from(const char* variable, std::uint64_t otherwise);
 /// Returns the number of rays that a long campaign sends at each cage: OCCAM_CAMPAIGN_RAYS, or 10^6.
 std::uint64_t rays_of_a_campaign();
 
-/// Takes all cases of a test in the long campaigns, and by default one in so many, evenly. A number that has no divisor in
-/// common with the innermost loops meets each of their values.
-class OneIn {
-public:
-    explicit OneIn(unsigned number) : number_(number) {}
-    /// Returns whether the next case is taken. The first one is.
-    bool takes() { return count_++ % number_ == 0 || is_long(); }
-
-private:
-    unsigned number_, count_ = 0;
-};
-
-/// Returns the number of rays for each cage: rays_of_a_campaign() in the long campaigns, else 2 * 10^4, since there are a
+/// Returns the number of rays for each cage: rays_of_a_campaign() in the long campaigns, else 4 * 10^4, since there are a
 /// hundred made and shared cages.
 std::uint64_t rays_per_cage();
 
 /// Returns how many rays are sent at each of two places by tests in which each ray blends the surface for itself: an eighth
-/// of rays_of_a_campaign() in the long campaigns, else 10^4.
+/// of rays_of_a_campaign() in the long campaigns, else 2.5 * 10^4.
 std::uint64_t blended_rays_per_place();
 
 }  // namespace occam::test

@@ -4,7 +4,6 @@
 #include <sstream>
 
 #include "accel/frame.h"
-#include "tests/support/campaign.h"
 #include "verify/closed.h"
 
 namespace occam::test {
@@ -90,7 +89,7 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
     DicedCage diced(cage, 0, world_from_object, textures);
     const int level = diced.level_of_largest_exponent(exponent);
     const std::vector<MeshTriangle> mesh = diced.triangles();
-    const std::vector<Vec3d> starts = inside_points(mesh, is_long() && mesh.size() <= 100'000 ? 16 : 4, random);
+    const std::vector<Vec3d> starts = inside_points(mesh, mesh.size() > 100'000 ? 4 : 16, random);
     count.starts = starts.size();
     if (starts.empty()) return count;
     std::vector<const MeshTriangle*> gaps;

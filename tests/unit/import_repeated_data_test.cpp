@@ -12,7 +12,7 @@ namespace occam::test {
 namespace {
 
 constexpr std::size_t kMega = 1'000'000;
-constexpr const char* kCopies = "the copies that elements share out of the file take more than 512 MiB";
+constexpr const char* kCopies = "the file asks for too many copies of what it holds once";
 constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
 std::string list_of(int count, const std::function<std::string(int)>& element)

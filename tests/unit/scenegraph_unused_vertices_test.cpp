@@ -79,6 +79,21 @@ TEST(UnusedVertices, OfWrittenAndMorphedCagesChangeNoBounds)
     }
 }
 
+TEST(UnusedVertices, OfCagesMadeOnDemandMayLieOutsideOfTheirBounds)
+{
+    std::uint64_t pictures[2];
+    for (const bool stray : {false, true}) {
+        Scene scene;
+        const Cage cube = creased_cube(1);
+        OnDemandCage cage;
+        cage.bounds = cube.bounds();
+        cage.make = [=] { return stray ? with_stray_vertex(cube) : cube; };
+        place(scene, scene.add(std::move(cage)), {0, 0, 0});
+        pictures[stray] = picture_of(scene);
+    }
+    EXPECT_EQ(pictures[1], pictures[0]);
+}
+
 // More faces around a vertex than can be refined are refused by name, whatever the scheme.
 TEST(Sanitize, PolesOfBilinearCagesAreLimitedAsThoseOfSmoothOnes)
 {

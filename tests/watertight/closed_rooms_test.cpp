@@ -59,14 +59,11 @@ TEST(ClosedRooms, AreDarkDisplacedAndAtEveryScale)
     }
 }
 
-/// The node that the rooms are instances of is as large as ten thousand rooms, and millions of rooms away.
 TEST(ClosedRooms, AreDarkWhileTheyMove)
 {
-    OneIn taken(5);
     for (const Room& room : rooms())
         for (const Moves how : {Moves::Slides, Moves::Turns, Moves::Grows, Moves::Bends})
             for (const Look& look : {Look{}, Look{.rate = 8}, Look{.displaced = true}}) {
-                if (!taken.takes()) continue;
                 SCOPED_TRACE("motion " + std::to_string(int(how)));
                 Look moving = look;
                 moving.moves = how;
@@ -74,6 +71,7 @@ TEST(ClosedRooms, AreDarkWhileTheyMove)
             }
 }
 
+/// The node that the rooms are instances of is as large as ten thousand rooms, and millions of rooms away.
 TEST(ClosedRooms, AreDarkInAMuchLargerWorld)
 {
     for (const Room& room : rooms())
@@ -88,12 +86,10 @@ float lens_of(const Room& room) { return room.name == "torus" ? 0.02f : 0.1f; }
 /// both, and has to be the same mesh there.
 TEST(ClosedRooms, AreDarkThroughALens)
 {
-    OneIn taken(5);
     for (const Room& room : rooms())
         for (const float rate : {0.25f, 1.0f, 4.0f, 16.0f})
             for (const float focus : {0.25f, 0.5f, 0.8f, 1.1f})
                 for (const TreeKind tree : {TreeKind::Kd, TreeKind::Bvh}) {
-                    if (!taken.takes()) continue;
                     Look look{.rate = rate, .lens = lens_of(room), .focus = focus, .tree = tree};
                     look.spp = rate < 1 ? 4 : 16;
                     expect_dark(room, look);
@@ -111,7 +107,6 @@ TEST(ClosedRooms, AreDarkThroughALensInEveryLevelMode)
 
 TEST(ClosedRooms, AreDarkThroughALensHoweverTheyArePlacedAndMove)
 {
-    OneIn taken(3);
     for (const Room& room : rooms())
         for (const float focus : {0.3f, 0.7f}) {
             const Look look{.rate = 4, .lens = lens_of(room), .focus = focus};
@@ -124,20 +119,18 @@ TEST(ClosedRooms, AreDarkThroughALensHoweverTheyArePlacedAndMove)
                 looks.push_back(look);
                 looks.back().moves = how;
             }
-            for (const Look& each : looks)
-                if (taken.takes()) expect_dark(room, each);
+            for (const Look& each : looks) expect_dark(room, each);
         }
 }
 
 /// A ray that passes a sheet goes on behind it, and sees the walls there as it saw them in front of the sheet.
 TEST(ClosedRooms, AreDarkBehindVeils)
 {
-    OneIn taken(5);
     for (const Room& room : rooms())
         for (const float rate : {1.0f, 4.0f, 16.0f})
             for (const float lens : {0.0f, lens_of(room)}) {
-                if (taken.takes()) expect_dark(room, {.rate = rate, .lens = lens, .focus = 0.55f, .veiled = true});
-                if (room.name != "bipyramid" && taken.takes())
+                expect_dark(room, {.rate = rate, .lens = lens, .focus = 0.55f, .veiled = true});
+                if (room.name != "bipyramid")
                     expect_dark(room, {.rate = rate, .displaced = true, .lens = lens, .focus = 0.55f, .veiled = true});
             }
 }
@@ -201,18 +194,16 @@ Look random_look(std::mt19937_64& random)
 /// The patches of a flat face that is not convex overlap, and some reach beyond its border, at each level in another way.
 TEST(ClosedRooms, AreDarkOverFloorsThatAreNotConvex)
 {
-    OneIn taken(5);
     for (const Room& room : rooms_with_concave_floors())
         for (const float rate : {1.0f, 4.0f, 16.0f})
             for (const render::Lod lod : {render::Lod::On, render::Lod::Frozen})
-                if (taken.takes()) expect_dark(room, {.rate = rate, .lod = lod, .width = 120, .height = 90});
+                expect_dark(room, {.rate = rate, .lod = lod, .width = 120, .height = 90});
 }
 
 /// A shadow ray starts beside the place where its parent saw the surface. It leads to the light all the same: one that kept
 /// the direction from that place would end beside the light, within the room.
 TEST(ClosedRooms, AreDarkThoughLightsAreJustOutside)
 {
-    OneIn taken(3);
     for (const Room& room : rooms()) {
         if (room.name == "torus") continue;  // this is not convex
         const bool is_flat = room.name == "bilinear box" || room.name == "box with sharp edges";
@@ -220,7 +211,7 @@ TEST(ClosedRooms, AreDarkThoughLightsAreJustOutside)
             for (const float rate : {1.0f, 8.0f}) {
                 SCOPED_TRACE(what == Outside::Lamps ? "lamps" : "panels");
                 expect_dark(room, {.rate = rate, .outside = what});
-                if (taken.takes()) expect_dark(room, {.rate = rate, .lod = render::Lod::Off, .outside = what});
+                expect_dark(room, {.rate = rate, .lod = render::Lod::Off, .outside = what});
             }
     }
 }
