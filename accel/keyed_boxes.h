@@ -117,8 +117,8 @@ public:
         if (from_.key == to_.key) {
             const vfloat first = from_.share, last = to_.share;
             for (int at = 0; at < kBoxGroupFloats; at += kLanes) {
-                const vfloat a = vfloat::load(here + stored(at)), way = vfloat::load(here + stride_ + stored(at)) - a;
-                const vfloat one = fma(first, way, a), other = fma(last, way, a);
+                const vfloat a = vfloat::load(here + stored(at)), b = vfloat::load(here + stride_ + stored(at));
+                const vfloat one = lod::nearly_between_keys(first, a, b), other = lod::nearly_between_keys(last, a, b);
                 note(at, one, at < kHalf ? min(one, other) : max(one, other));
             }
         } else {
@@ -177,7 +177,7 @@ private:
     {
         const float *here = key(k) + box, *next = here + stride_;
         const F share = at - F(float(k));
-        for (int p = 0; p < 6; ++p) planes[p] = between(share, F(here[p * row()]), F(next[p * row()]));
+        for (int p = 0; p < 6; ++p) planes[p] = lod::nearly_between_keys(share, F(here[p * row()]), F(next[p * row()]));
     }
     const float* key(int k) const noexcept { return boxes_ + static_cast<std::size_t>(k) * stride_; }
     /// Returns the number of floats in a row.
@@ -187,14 +187,7 @@ private:
     OCCAM_ALWAYS_INLINE vfloat at_moment(const lod::KeyTime& moment, int place) const noexcept
     {
         const float* here = key(moment.key) + stored(place);
-        return between(vfloat(moment.share), vfloat::load(here), vfloat::load(here + stride_));
-    }
-    /// Returns about what lod::between_keys() does. At a key it may be off by as much as between keys, for which boxes have
-    /// room.
-    template <class V>
-    OCCAM_ALWAYS_INLINE static V between(V share, V a, V b) noexcept
-    {
-        return fma(share, b - a, a);
+        return lod::nearly_between_keys(vfloat(moment.share), vfloat::load(here), vfloat::load(here + stride_));
     }
 
     const float* boxes_;

@@ -50,24 +50,21 @@ struct LaneOf {
     void offer(int at, float t, IGrid& grid, std::uint32_t id) noexcept { part.offer(at, t, grid, id); }
 };
 
-/// Clears all hits and sets each t to the t_far of its ray. Lanes past the last ray are dead.
+/// Clears the hits of one lane and sets its t to the t_far of its ray. For a ray that travels alone the other lanes may stay
+/// as they are, since they are never read.
+template <class Found>
+void start(Found& found, int lane, float t_far)
+{
+    found.t[lane] = t_far;
+    if constexpr (std::is_base_of_v<Nearest, Found>) found.grid[lane] = nullptr;
+    if constexpr (std::is_base_of_v<NearestSome, Found>) found.count[lane] = 0;
+}
+
+/// Does so for all lanes. Those past the last ray are dead.
 template <class Found>
 void start(Found& found, std::span<const Ray> rays)
 {
-    for (int i = 0; i < kPacket; ++i) {
-        found.t[i] = std::size_t(i) < rays.size() ? rays[i].t_far : kDead;
-        if constexpr (std::is_base_of_v<Nearest, Found>) found.grid[i] = nullptr;
-        if constexpr (std::is_base_of_v<NearestSome, Found>) found.count[i] = 0;
-    }
-}
-
-/// Does the same for one ray alone; the other lanes are never read.
-template <class Found>
-void start_one(Found& found, const Ray& ray, int lane)
-{
-    found.t[lane] = ray.t_far;
-    if constexpr (std::is_base_of_v<Nearest, Found>) found.grid[lane] = nullptr;
-    if constexpr (std::is_base_of_v<NearestSome, Found>) found.count[lane] = 0;
+    for (int i = 0; i < kPacket; ++i) start(found, i, std::size_t(i) < rays.size() ? rays[std::size_t(i)].t_far : kDead);
 }
 
 /// Gathers four consecutive floats for each ray from `things`, `offset` bytes into each element. Lanes past the last

@@ -102,7 +102,7 @@ bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t coun
         for (std::size_t i = 0; i < rays.size(); ++i) {
             SingleQuery<Found> query;
             query.only = static_cast<int>(i);
-            start_one(query, rays[i], query.only);
+            start(query, query.only, rays[i].t_far);
             set_wishes(query, holes);
             if (!in_tree([&](auto way) { return run_single<decltype(way)>(rays[i], axes, memory_bytes, query); }))
                 return false;

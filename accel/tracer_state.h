@@ -96,6 +96,7 @@ struct Tracer::State {
         start(query, rays);
         set_wishes(query, holes);
     }
+    /// Tells a query which holes rays pass, and how many hits of each ray are wanted.
     template <class Query>
     void set_wishes(Query& query, const Holes& holes) const noexcept
     {

@@ -30,11 +30,19 @@ inline KeyTime key_time(float tau, int segments) noexcept
     return {key, at - static_cast<float>(key)};
 }
 
+/// Returns what lies about `share` of the way from a to b, for boxes that have room for rounding: at b it is as far off as
+/// anywhere between a and b.
+template <class F>
+OCCAM_ALWAYS_INLINE F nearly_between_keys(F share, F a, F b) noexcept
+{
+    return fma(share, b - a, a);
+}
+
 /// Returns what lies `share` of the way from a to b: exactly a and b at the ends, and where both are equal.
 template <class F>
 OCCAM_ALWAYS_INLINE F between_keys(F share, F a, F b) noexcept
 {
-    return select(share >= F(1.0f), b, fma(share, b - a, a));
+    return select(share >= F(1.0f), b, nearly_between_keys(share, a, b));
 }
 
 }  // namespace occam::lod

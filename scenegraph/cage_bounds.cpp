@@ -3,9 +3,6 @@
 
 namespace occam {
 
-namespace {
-
-// Returns the box of the positions of a slot's cage that some face has.
 Box3d box_of_used(const CageSlot& slot, const std::vector<Vec3f>& positions) noexcept
 {
     Box3d box;
@@ -21,9 +18,7 @@ Box3d box_of_used(const CageSlot& slot, const std::vector<Vec3f>& positions) noe
     return box;
 }
 
-}  // namespace
-
-std::vector<std::uint32_t> unused_vertices(const Cage& cage)
+std::vector<std::uint32_t> find_unused_vertices(const Cage& cage)
 {
     std::vector<bool> is_used(cage.positions.size());
     for (const std::uint32_t v : cage.face_vertices) is_used[v] = true;

@@ -51,7 +51,8 @@ CageSlot CageSlot::made() const
     sanitize(slot.cage);
     if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty() || slot.cage.displacement)
         throw error_without_file("a cage made on demand has neither skin nor morph targets nor displacement", cage.name);
-    const Box3d box = slot.cage.bounds();
+    slot.unused_vertices = find_unused_vertices(slot.cage);
+    const Box3d box = box_of_used(slot, slot.cage.positions);
     if (!box.is_empty() && (glm::any(glm::lessThan(box.lo, bounds.lo)) || glm::any(glm::greaterThan(box.hi, bounds.hi))))
         throw error_without_file("a cage made on demand leaves its bounds", cage.name);
     return slot;
@@ -96,7 +97,7 @@ void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::s
     for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
     record.cage = std::move(cage);
     record.largest_face = largest_face(record.cage);
-    record.unused_vertices = unused_vertices(record.cage);
+    record.unused_vertices = find_unused_vertices(record.cage);
     record.identity = next_identity();
     find_bounds(record);
 }

@@ -17,7 +17,10 @@ namespace occam {
 Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept;
 
 /// Returns the vertices that no face of the cage has, in ascending order.
-std::vector<std::uint32_t> unused_vertices(const Cage& cage);
+std::vector<std::uint32_t> find_unused_vertices(const Cage& cage);
+
+/// Returns the box of the positions, one for each vertex of the slot's cage, that are not of unused vertices.
+Box3d box_of_used(const CageSlot& slot, const std::vector<Vec3f>& positions) noexcept;
 
 /// Computes the bounds of a slot's cage and of what deforms it. The slot stays as it is if there is no memory for them; a
 /// cage without keys, skin and morph targets needs none.

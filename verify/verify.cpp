@@ -42,16 +42,26 @@ void for_each_shown(Scene& scene, Call&& call)
     });
 }
 
-/// Tests the cage at each size that it has while the shutter is open, with the same part of the rays at each.
-void test(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures, VerifiedCage& report,
-          std::size_t number = 0)
+/// Calls visit(test, size, sizes) for the cage at each size that it has while the shutter is open, until it returns false.
+template <class Visit>
+void for_each_size(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures,
+                   VerifiedCage& report, std::size_t number, Visit&& visit)
 {
-    std::size_t sizes = 1;
-    for (std::size_t size = 0; size < sizes; ++size) {
+    for (std::size_t size = 0, sizes = 1; size < sizes; ++size) {
         EscapeTest test(shown, settings, textures, report, number, size);
         sizes = std::max<std::size_t>(1, test.size_count());
-        test.run(settings.rays * (size + 1) / sizes);
+        if (!visit(test, size, sizes)) return;
     }
+}
+
+/// Tests the cage with the same part of the rays at each size.
+void test_each_size(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures,
+                    VerifiedCage& report, std::size_t number = 0)
+{
+    for_each_size(shown, settings, textures, report, number, [&](EscapeTest& test, std::size_t size, std::size_t sizes) {
+        test.run(settings.rays * (size + 1) / sizes);
+        return true;
+    });
 }
 
 }  // namespace
@@ -63,7 +73,7 @@ VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const Veri
     const CageSlot& slot = scene.cage(scene.add(without_materials(cage)));
     const ShownCage shown{slot, nullptr, nullptr, {&world_from_object, 1}, 0};
     VerifiedCage report = report_of(shown);
-    if (report.not_testable.empty()) test(shown, settings, textures, report);
+    if (report.not_testable.empty()) test_each_size(shown, settings, textures, report);
     return report;
 }
 
@@ -73,7 +83,7 @@ std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings)
     for_each_shown(scene, [&](const ShownCage& shown, const TextureStore& textures) {
         const std::size_t number = reports.size();
         VerifiedCage& report = reports.emplace_back(report_of(shown));
-        if (report.not_testable.empty()) test(shown, settings, &textures, report, number);
+        if (report.not_testable.empty()) test_each_size(shown, settings, &textures, report, number);
     });
     return reports;
 }
@@ -88,14 +98,13 @@ bool replay(Scene& scene, const VerifySettings& settings, std::string_view text,
         VerifiedCage report = report_of(shown);
         if (!report.not_testable.empty())
             throw error_without_file("the cage cannot be tested: " + report.not_testable, "ray");
-        std::size_t sizes = 1, size = 0;
-        for (; size < sizes; ++size) {
-            EscapeTest test(shown, settings, &textures, report, line.cage, size);
-            sizes = test.size_count();
-            if (!test.is_seen_at(line.time) && size + 1 < sizes) continue;
-            test.replay(line, out);
-            break;
-        }
+        // A ray of a time at which the cage is left out sees its last size.
+        for_each_size(shown, settings, &textures, report, line.cage,
+                      [&](EscapeTest& test, std::size_t size, std::size_t sizes) {
+                          if (!test.is_seen_at(line.time) && size + 1 < sizes) return true;
+                          test.replay(line, out);
+                          return false;
+                      });
         holds = report.holds();
     });
     if (line.cage >= number)

@@ -14,7 +14,7 @@ public:
     void charge(std::size_t copies, std::size_t bytes, const std::string& where)
     {
         if (bytes > 0 && copies > left_ / bytes)
-            throw Error(report_.name(), "the copies that elements share out of the file take more than 512 MiB", where);
+            throw Error(report_.name(), "the file asks for too many copies of what it holds once", where);
         left_ -= copies * bytes;
     }
     /// Lets the copies of what has so many bytes be several times as large as it is.

@@ -16,8 +16,8 @@ inline constexpr const char* kBinaryChunk = "<binary chunk>";
 
 /// Holds a document that has passed validation.
 struct CheckedGltf {
-    /// Is the document with kBinaryChunk in place of the binary chunk's URI, and with one buffer for each file; empty if
-    /// nothing was replaced.
+    /// The document, with kBinaryChunk in place of the binary chunk's URI and one buffer for each file; empty if nothing was
+    /// replaced.
     std::string json;
     std::map<std::string, std::size_t> files;  ///< for each decoded URI, the bytes that its buffer reads
 };

@@ -208,24 +208,7 @@ std::vector<std::byte> without_metadata(std::span<const std::byte> file, std::st
 
 Orientation take_tiff_orientation(std::vector<std::byte>& file)
 {
-    switch (TiffDirectory(file).take_orientation()) {
-        case 2:
-            return {false, true, false};
-        case 3:
-            return {true, true, false};
-        case 4:
-            return {true, false, false};
-        case 5:
-            return {false, false, true};
-        case 6:
-            return {true, false, true};
-        case 7:
-            return {true, true, true};
-        case 8:
-            return {false, true, true};
-        default:
-            return {};
-    }
+    return orientation_of(TiffDirectory(file).take_orientation());
 }
 
 }  // namespace occam

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/number_in.h"
 #include "io/exr_file.h"
 #include "io/input_file.h"
 #include "io/png_file.h"
@@ -135,14 +136,10 @@ private:
 
     Orientation radiance_orientation(const PictureReader& image) const
     {
-        // The number is that which Exif has for it.
-        const std::string number = image.text_attribute("Orientation");
-        if (number == "2") return {false, true, false};
-        if (number == "3") return {true, true, false};
-        if (number == "4") return {true, false, false};
-        if (number.size() == 1 && number[0] > '4' && number[0] <= '8')
-            refuse("Radiance images that are stored column by column are not read");
-        return {};
+        const Orientation orientation = orientation_of(
+            number_in<std::size_t>(image.text_attribute("Orientation")).value_or(0));
+        if (orientation.swaps_axes) refuse("Radiance images that are stored column by column are not read");
+        return orientation;
     }
 
     std::vector<std::byte> whole()
