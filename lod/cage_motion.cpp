@@ -136,6 +136,8 @@ std::vector<Vec3d> CageMotion::moves_from(int key) const
 {
     std::vector<Vec3d> moves;
     if (changes_ != 1 || moves_weights_ || (moves_positions_ && slot_.is_deformed())) return moves;
+    // Displacement turns with the normals of a cage that deforms.
+    if (slot_.cage.is_displaced() && !moves_by_nodes_alone()) return moves;
     if (moves_positions_) {
         const auto &from = slot_.key_positions[std::size_t(key)], &to = slot_.key_positions[std::size_t(key) + 1];
         for (std::size_t v = 0; v < from.size(); ++v)

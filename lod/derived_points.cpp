@@ -167,10 +167,10 @@ std::vector<std::uint8_t> faces_to_derive(const Cage& cage, const Far::TopologyL
     std::vector<std::uint8_t> takes(static_cast<std::size_t>(level.GetNumFaces()));
     std::vector<std::uint8_t> is_large(static_cast<std::size_t>(level.GetNumVertices()));
     for (int v = 0; v < level.GetNumVertices() && is_smooth; ++v)
-        is_large[static_cast<std::size_t>(v)] = level.GetVertexFaces(v).size() >= kLargeFrom;
+        is_large[static_cast<std::size_t>(v)] = level.GetVertexFaces(v).size() >= int(kLargeFrom);
     for (int f = 0; f < level.GetNumFaces(); ++f) {
         const auto vertices = level.GetFaceVertices(f);
-        if (vertices.size() < kLargeFrom) continue;
+        if (vertices.size() < int(kLargeFrom)) continue;
         takes[static_cast<std::size_t>(f)] = 1;
         for (int i = 0; i < vertices.size() && is_smooth; ++i) is_large[static_cast<std::size_t>(vertices[i])] = 1;
     }

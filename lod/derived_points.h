@@ -5,7 +5,8 @@
 // Instead, a cage that has a large face or a large vertex gets derived points, once for each pose and in linear time: the
 // vertices of the cage refined once (so that a large face becomes a large vertex among quads), and for each large vertex its
 // *moves*. A move is the way from the vertex's position at one level of refinement to that at the next; it depends on the
-// whole ring, and all else near the vertex depends on few spokes of it (ring_patch.h).
+// whole ring, and all else near the vertex depends on few spokes of it (ring_patch.h). Which faces and vertices are large is
+// said in scenegraph/large_parts.h.
 //
 // Space    that of the vertices that are passed in.
 // Threads  const calls from any thread.
@@ -21,14 +22,9 @@
 #include "lod/class_memory.h"
 #include "lod/mesh_part.h"
 #include "lod/small_surface.h"
+#include "scenegraph/large_parts.h"
 
 namespace occam::lod {
-
-/// Faces of more corners, and vertices of more faces, are large.
-inline constexpr int kLargeFrom = 65;
-/// A patch that would depend on more vertices takes derived points, too: some hundreds of them stand for what is around the
-/// corners of one quad of the refined cage.
-inline constexpr std::size_t kMostControls = 1024;
 
 /// Tells how the surface in one sector of a large vertex follows a move of that vertex, with all other points at rest. The
 /// sector is [0, 2] x [0, 2] in steps of the level at which the vertex moves.
@@ -55,9 +51,7 @@ private:
 
 class DerivedPoints {
 public:
-    /// The number of moves of a vertex. Each is at most 0.66 times as long as the one before, so the rest is at most a
-    /// ten-thousandth of the first one.
-    static constexpr int kMoves = 24;
+    static constexpr int kMoves = int(kMovesOfALargeVertex);
     static constexpr std::uint32_t kNone = ~0u;
 
     /// Returns the derived points of a cage, or null if no patch needs them. Throws Error if there is no room for them.
@@ -71,7 +65,7 @@ public:
     const OpenSubdiv::Far::TopologyLevel& base() const noexcept { return refiner_->GetLevel(0); }
     /// Returns the connectivity of the first derived points: the cage, refined once.
     const OpenSubdiv::Far::TopologyLevel& level() const noexcept { return refiner_->GetLevel(1); }
-    bool is_large(int vertex) const noexcept { return level().GetVertexFaces(vertex).size() >= kLargeFrom; }
+    bool is_large(int vertex) const noexcept { return level().GetVertexFaces(vertex).size() >= int(kLargeFrom); }
     /// Returns the first of the moves of a large vertex of level(); kNone if it stays where it is.
     std::uint32_t first_move(int vertex) const noexcept;
 

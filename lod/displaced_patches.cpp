@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/check.h"
+#include "lod/cross_product.h"
 #include "lod/level_grid.h"
 
 namespace occam::lod {
@@ -114,9 +115,7 @@ void DisplacedPatches::normals(const FilteredPatch& of, const ParameterGrid& gri
                 t[static_cast<int>(a)] = surface_[(3 + 3 * axis + a) * count + k] + at[9 + 3 * axis + a][k];
             return t;
         };
-        const Vec3f n = glm::cross(tangent(0), tangent(1));
-        const float length = glm::length(n);
-        out[k] = length > 0 ? n * (of.cage.displacement.sense / length) : Vec3f(0);
+        out[k] = unit_normal(tangent(0), tangent(1), of.cage.displacement.sense);
     }
 }
 

@@ -99,11 +99,43 @@ void PatchClass::count(std::size_t bytes) const noexcept
     account_->add(bytes);
 }
 
+void PatchClass::discount(std::size_t bytes) const noexcept
+{
+    if (!account_) return;
+    counted_ -= bytes;
+    account_->remove(bytes);
+}
+
 const PatchClass::Node& PatchClass::look_into(const Node& node) const
 {
     const std::lock_guard lock(mutex_);
-    if (node.kind.load(std::memory_order_relaxed) == Node::Unknown) classify(const_cast<Node&>(node));
+    if (node.kind.load(std::memory_order_relaxed) != Node::Unknown) return node;
+    classify(const_cast<Node&>(node));
+    count(table_bytes(node));
     return node;
+}
+
+std::size_t PatchClass::table_bytes(const Node& node) const noexcept
+{
+    const std::size_t matrices = std::size_t(1) + is_deep(node.depth_u) + is_deep(node.depth_v);
+    switch (node.kind.load(std::memory_order_relaxed)) {
+        case Node::Split:
+            return static_cast<std::size_t>(node.child_count()) * sizeof(Node);
+        case Node::Bicubic:
+            return (matrices * 16 + 1) * sizeof(float) * node.control_count;
+        case Node::Direct:
+            return 4 * 3 * static_cast<std::size_t>(control_count_) * sizeof(float);
+        case Node::Unknown:
+            break;
+    }
+    return 0;
+}
+
+std::size_t PatchClass::tree_bytes(const Node& node) const noexcept
+{
+    std::size_t bytes = table_bytes(node);
+    for (int c = 0; node.children && c < node.child_count(); ++c) bytes += tree_bytes(node.children[c]);
+    return bytes;
 }
 
 LimitStencil PatchClass::limit(double u, double v, LimitSource::Of of) const
@@ -138,6 +170,7 @@ const PatchHull& PatchClass::make_hull() const
         const bool takes_strips = crease_depth_ > 0 && !root_.may_halve_one_way;
         hull_ = std::make_unique<const PatchHull>(*this, takes_strips ? strips : root_);
         count(hull_->bytes());
+        discount(tree_bytes(strips));
         hull_made_.store(hull_.get(), std::memory_order_release);
     });
     return *hull_;
@@ -179,7 +212,6 @@ void PatchClass::classify(Node& node) const
     node.halves_v = halve_v;
     const int across = halve_u ? 2 : 1, children = node.child_count();
     node.children = std::make_unique<Node[]>(static_cast<std::size_t>(children));
-    count(static_cast<std::size_t>(children) * sizeof(Node));
     for (int c = 0; c < children; ++c) {
         Node& child = node.children[c];
         child.u0 = node.u0 + (c % across ? node.size_u() * 0.5f : 0);
@@ -279,7 +311,6 @@ void PatchClass::store_weights(Node& node, const std::vector<double>& net) const
     node.controls = std::make_unique<std::uint32_t[]>(used.size());
     node.weights = std::make_unique<float[]>(matrices * 16 * used.size());
     node.control_count = static_cast<std::uint32_t>(used.size());
-    count((matrices * 16 + 1) * sizeof(float) * used.size());
     std::ranges::copy(used, node.controls.get());
     float* weights = node.weights.get();
     std::array<int, 16> ones{}, others{};
@@ -304,7 +335,6 @@ void PatchClass::fill_direct(Node& node) const
 {
     const std::size_t n = control_count_;
     node.weights = std::make_unique<float[]>(4 * 3 * n);
-    count(4 * 3 * n * sizeof(float));
     for (int c = 0; c < 4; ++c) {
         const LimitStencil stencil = limit(node.u0 + (c & 1 ? node.size_u() : 0), node.v0 + (c & 2 ? node.size_v() : 0),
                                            LimitSource::Of::PointAndTangents);

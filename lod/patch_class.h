@@ -147,6 +147,11 @@ public:
     }
 
 private:
+    void discount(std::size_t bytes) const noexcept;
+    /// Returns the bytes of what a node holds itself.
+    std::size_t table_bytes(const Node& node) const noexcept;
+    /// Returns the bytes of what a node and all below it hold.
+    std::size_t tree_bytes(const Node& node) const noexcept;
     const Node& look_into(const Node& node) const;
     const PatchHull& make_hull() const;
     void classify(Node& node) const;

@@ -1,5 +1,7 @@
 #include "lod/patch_surface.h"
 
+#include "lod/cross_product.h"
+
 namespace occam::lod {
 
 void PatchSurface::speeds(const PosedCage& cage, PatchRef patch, float& along_u, float& along_v)
@@ -38,11 +40,9 @@ void PatchSurface::normals(const FilteredPatch& of, const ParameterGrid& grid, V
     float* at[9];
     for (std::size_t a = 0; a < 9; ++a) at[a] = &tangents_[a * count];
     posed(of.cage, of.patch).points_and_tangents(grid, at, grid.columns);
-    for (std::size_t k = 0; k < count; ++k) {
-        const Vec3f n = glm::cross(Vec3f{at[3][k], at[4][k], at[5][k]}, Vec3f{at[6][k], at[7][k], at[8][k]});
-        const float length = glm::length(n);
-        out[k] = length > 0 ? n * ((of.cage.is_mirrored ? -1.0f : 1.0f) / length) : Vec3f(0);
-    }
+    const float sense = of.cage.is_mirrored ? -1.0f : 1.0f;
+    for (std::size_t k = 0; k < count; ++k)
+        out[k] = unit_normal({at[3][k], at[4][k], at[5][k]}, {at[6][k], at[7][k], at[8][k]}, sense);
 }
 
 }  // namespace occam::lod

@@ -22,13 +22,13 @@ bool is_concave(const PosedCage& cage, std::uint32_t face)
     const std::uint32_t count = cage.topology->face_size(face), first = cage.topology->first_corner(face);
     if (count < 4 || count > kMostCorners) return false;
     const auto corner = [&](std::uint32_t k) { return cage.vertex(cage.slot->cage.face_vertices[first + k % count]); };
-    const Vec3f origin = corner(0);
-    Vec3f area(0);
-    for (std::uint32_t k = 1; k + 1 < count; ++k) area += glm::cross(corner(k) - origin, corner(k + 1) - origin);
-    constexpr float kLeastSine = 1e-3f;
-    const float least = -kLeastSine * glm::length(area);
+    const auto edge = [&](std::uint32_t from, std::uint32_t to) { return Vec3d(corner(to) - corner(from)); };
+    Vec3d area(0);
+    for (std::uint32_t k = 1; k + 1 < count; ++k) area += glm::cross(edge(0, k), edge(0, k + 1));
+    constexpr double kLeastSine = 1e-3;
+    const double least = -kLeastSine * glm::length(area);
     for (std::uint32_t k = 0; k < count; ++k) {
-        const Vec3f in = corner(k + 1) - corner(k), out = corner(k + 2) - corner(k + 1);
+        const Vec3d in = edge(k, k + 1), out = edge(k + 1, k + 2);
         if (glm::dot(glm::cross(in, out), area) < least * glm::length(in) * glm::length(out)) return true;
     }
     return false;
@@ -88,10 +88,10 @@ bool TileAttributes::is_flat(const PosedCage& cage, const TileRef& tile)
     const auto count = static_cast<std::size_t>(grid.columns) * static_cast<std::size_t>(grid.rows);
     points_.resize(3 * count);
     surface_.posed(cage, tile.patch).points(grid, &points_[0], &points_[count], &points_[2 * count], grid.columns);
-    const auto at = [&](std::size_t k) { return Vec3f(points_[k], points_[count + k], points_[2 * count + k]); };
+    const auto at = [&](std::size_t k) { return Vec3d(points_[k], points_[count + k], points_[2 * count + k]); };
     const auto last_of_row = static_cast<std::size_t>(grid.columns) - 1;
-    const Vec3f across = glm::cross(at(count - 1) - at(0), at(count - 1 - last_of_row) - at(last_of_row));
-    const float length = glm::length(across), most = 16 * FLT_EPSILON * cage.radius;
+    const Vec3d across = glm::cross(at(count - 1) - at(0), at(count - 1 - last_of_row) - at(last_of_row));
+    const double length = glm::length(across), most = 16 * FLT_EPSILON * double(cage.radius);
     for (std::size_t k = 0; k < count; ++k)
         if (!(std::fabs(glm::dot(at(k) - at(0), across)) <= most * length)) return false;
     return true;

@@ -98,6 +98,7 @@ struct CageSlot {
     std::uint64_t identity = 0;  ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
     std::uint32_t largest_face = 4;              ///< corners; at least 4, and 4 for an OnDemandCage
+    std::size_t derived_points = 0;              ///< at most so many of a pose (large_parts.h); 0 for an OnDemandCage
     std::vector<std::uint32_t> unused_vertices;  ///< those that no face has, in ascending order; bounds do not hold them
     DeformBoundsTable deform;    ///< one part, the whole cage; none if no skin and no morph target deforms the cage
     std::function<Cage()> make;  ///< for an OnDemandCage, whose `cage` has a name and materials only

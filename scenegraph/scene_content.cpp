@@ -5,6 +5,7 @@
 
 #include "base/error_without_file.h"
 #include "scenegraph/content_rules.h"
+#include "scenegraph/large_parts.h"
 #include "scenegraph/scene_state.h"
 #include "scenegraph/shown_nodes.h"
 
@@ -97,6 +98,7 @@ void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::s
     for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
     record.cage = std::move(cage);
     record.largest_face = largest_face(record.cage);
+    record.derived_points = most_derived_points(record.cage);
     record.unused_vertices = find_unused_vertices(record.cage);
     record.identity = next_identity();
     find_bounds(record);

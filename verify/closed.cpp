@@ -67,8 +67,10 @@ std::string why_not_closed(const Cage& cage)
     for (const FaceEdge& edge : edges) {
         const std::size_t there = faces_along(edges, edge.from, edge.to), back = faces_along(edges, edge.to, edge.from);
         if (there == 1 && back == 1) continue;
-        return "edge " + std::to_string(edge.from) + "-" + std::to_string(edge.to) +
-               (back == 0 ? " has a face on one side only" : " has more than two faces");
+        const char* const why = back > 0    ? " has more than two faces"
+                                : there > 1 ? " has several faces that pass it in one direction, and none in the other"
+                                            : " has a face on one side only";
+        return "edge " + std::to_string(edge.from) + "-" + std::to_string(edge.to) + why;
     }
     // The walk goes around a vertex from face to face; one turn must reach all of its faces.
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {

@@ -70,22 +70,7 @@ void EscapeTest::run(std::uint64_t rays)
         report_.not_testable = "it has no limit surface";
         return;
     }
-    choose_instants();
-    // The level is finer if the inside is thinner than the edges.
-    finest_ = subject_.level_of_rate(settings_.largest_rate);
-    std::size_t starts = 0;
-    for (int finer = 0; finer < kFiner && starts == 0; ++finer, --finest_) {
-        std::size_t corners = 0;
-        for (Instant& instant : instants_) {
-            instant.pairs.clear();
-            for (int level = finest_; level < finest_ + kLevels; ++level)
-                instant.pairs.push_back(subject_.dice(level, instant.time));
-            corners += instant.pairs.front().corners.size();
-            find_starts(instant);
-            starts += instant.starts.size();
-        }
-        if (starts > 0 || corners > kMostCorners) break;
-    }
+    const std::size_t starts = find_all_starts();
     report_.starts += starts;
     std::erase_if(instants_, [](const Instant& instant) { return instant.starts.empty(); });
     if (instants_.empty()) {
@@ -113,7 +98,7 @@ void EscapeTest::run(std::uint64_t rays)
 void EscapeTest::replay(const RayLine& line, std::ostream& out)
 {
     if (subject_.is_empty()) throw error_without_file("the cage has no limit surface", "ray");
-    finest_ = subject_.level_of_rate(settings_.largest_rate);
+    find_all_starts();
     set_levels();
     accel::Ray ray;
     ray.origin = line.origin * scale_.to_frame();
@@ -176,6 +161,27 @@ void EscapeTest::choose_instants()
         const double within = uniform(random_);
         instant.time = static_cast<float>((pick(seen, random_) + within) / all);
     }
+}
+
+std::size_t EscapeTest::find_all_starts()
+{
+    choose_instants();
+    const int level_of_rate = subject_.level_of_rate(settings_.largest_rate);
+    for (int finer = 0; finer < kFiner; ++finer) {
+        finest_ = level_of_rate - finer;
+        std::size_t starts = 0, corners = 0;
+        for (Instant& instant : instants_) {
+            instant.pairs.clear();
+            for (int level = finest_; level < finest_ + kLevels; ++level)
+                instant.pairs.push_back(subject_.dice(level, instant.time));
+            corners += instant.pairs.front().corners.size();
+            find_starts(instant);
+            starts += instant.starts.size();
+        }
+        if (starts > 0) return starts;
+        if (corners > kMostCorners) break;
+    }
+    return 0;
 }
 
 void EscapeTest::find_starts(Instant& instant)

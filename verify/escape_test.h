@@ -58,6 +58,9 @@ private:
     /// Chooses the moments at which rays see the cage: one if it stands still, else one of its keys, and others anywhere.
     void choose_instants();
 
+    /// Chooses the moments and the finest level, and finds points inside the cage at all moments. Returns how many. The
+    /// level is finer than the settings ask for if the inside is thinner than its edges.
+    std::size_t find_all_starts();
     void find_starts(Instant& instant);
 
     /// Describes what the rays of a batch have in common, so that they are coherent and are traced quickly.

@@ -109,6 +109,23 @@ TEST(ClassMemory, TablesHaveNoRowsOfZeros)
     }
 }
 
+// The hull of a patch with creases comes from a tree of strips of its own, which does not outlive the making.
+TEST(ClassMemory, HullsCountWhatTheyKeep)
+{
+    Cage cage = creased_grid(3);
+    for (Crease& crease : cage.creases) crease.sharpness = 0.5f + std::fmod(crease.sharpness, 3.0f);
+    const auto memory = std::make_shared<ClassMemory>();
+    const Topology topology(cage, memory);
+    for (std::uint32_t face = 0; face < topology.face_count(); ++face) {
+        const PatchClass& kind = *topology.controls({face, 0}).kind;
+        ASSERT_GT(kind.crease_depth(), 0);
+        ASSERT_LE(kind.crease_depth(), PatchClass::kDeepest);
+        const std::size_t before = memory->bytes();
+        const std::size_t kept = kind.hull().bytes();
+        EXPECT_EQ(memory->bytes() - before, kept) << face;
+    }
+}
+
 // Each of the sources takes about a megabyte.
 TEST(ClassMemory, SourcesOfCreasedPatchesAreDropped)
 {

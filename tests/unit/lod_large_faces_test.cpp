@@ -5,6 +5,7 @@
 
 #include "lod/extent.h"
 #include "lod/posed_patch.h"
+#include "scenegraph/large_parts.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/limit_oracle.h"
 #include "tests/support/shape_builders.h"
@@ -60,6 +61,49 @@ TEST(LargeFaces, CostAsMuchACornerHoweverManyThereAre)
                 }
             EXPECT_LE(kinds.size(), 12u) << corners << " corners";
         }
+}
+
+/// Returns n x n polygons of 4 k corners each, whose vertices have up to four faces.
+Cage polygon_grid(std::uint32_t n, std::uint32_t k)
+{
+    Cage cage;
+    const std::uint32_t side = n * k + 1;
+    for (std::uint32_t y = 0; y < side; ++y)
+        for (std::uint32_t x = 0; x < side; ++x) cage.positions.push_back({float(x), float(y), 0});
+    for (std::uint32_t y = 0; y < n; ++y)
+        for (std::uint32_t x = 0; x < n; ++x) {
+            const std::uint32_t first = y * k * side + x * k;
+            for (std::uint32_t i = 0; i < k; ++i) cage.face_vertices.push_back(first + i);
+            for (std::uint32_t i = 0; i < k; ++i) cage.face_vertices.push_back(first + k + i * side);
+            for (std::uint32_t i = 0; i < k; ++i) cage.face_vertices.push_back(first + k * side + k - i);
+            for (std::uint32_t i = 0; i < k; ++i) cage.face_vertices.push_back(first + (k - i) * side);
+            cage.face_sizes.push_back(4 * k);
+        }
+    return cage;
+}
+
+// Memory floors count with this bound.
+TEST(LargeFaces, HaveNoMoreDerivedPointsThanTheirBound)
+{
+    std::vector<Cage> cages{torus(), polygon_grid(4, 2), polygon_grid(4, 10), polygon_grid(4, 15), polygon_grid(4, 17)};
+    for (const std::uint32_t corners : {5u, 32u, 64u, 65u, 200u}) {
+        cages.push_back(prism(corners));
+        cages.push_back(spindle(corners));
+    }
+    for (std::size_t i = cages.size(); i-- > 0;) {
+        cages.push_back(cages[i]);
+        cages.back().scheme = Scheme::Bilinear;
+    }
+    std::size_t with = 0;
+    for (const Cage& cage : cages) {
+        const std::size_t count = DicedCage(cage, 0).topology().derived_count(), most = most_derived_points(cage);
+        EXPECT_LE(count, most);
+        EXPECT_LE(most, 2 * count + 100) << "no loose bound";
+        EXPECT_EQ(count > 0, most > 0);
+        with += count > 0;
+    }
+    EXPECT_GE(with, 10u);
+    EXPECT_LE(with, cages.size() - 10);
 }
 
 Cage even_spindle(std::uint32_t valence)

@@ -28,12 +28,11 @@ lod::LevelSettings seen_from_afar(int strata)
     return levels;
 }
 
-// Calls what(motion) for a torus that moves so.
+// Calls what(motion) for a cage that moves so.
 template <class What>
-auto of_torus(const Motion& motion, What&& what)
+auto of_cage(Scene& scene, const Cage& cage, const Motion& motion, What&& what)
 {
-    Scene scene;
-    const NodeId id = add_moving(scene, torus(), motion);
+    const NodeId id = add_moving(scene, cage, motion);
     scene.refit();
     const Node& node = scene.node(id);
     const std::vector<Mat4d> moving = scene.world_from_node_keys(id);
@@ -41,6 +40,13 @@ auto of_torus(const Motion& motion, What&& what)
     const std::span<const Mat4d> matrices = moving.empty() ? std::span(&placed, 1) : std::span(moving);
     const CageSlot& slot = scene.cage(node.cages.front());
     return what(lod::CageMotion(slot, node, scene.find(node.skin), matrices, scene.shutter_segments()));
+}
+
+template <class What>
+auto of_torus(const Motion& motion, What&& what)
+{
+    Scene scene;
+    return of_cage(scene, torus(), motion, what);
 }
 
 Motion sliding(Vec3d by, bool is_written)
@@ -116,6 +122,24 @@ TEST(MotionDetail, IsFullWhereAPointMayStandStillInThePicture)
         of_torus(motion, [&](const lod::CageMotion& m) {
             EXPECT_EQ(lod::level_of_motion(seen_from_afar(1), m), lod::kFinestLevel) << motion.name;
         });
+}
+
+// A displacement that is longer than its cage is wide turns with the normals: some points go back by as much as the cage
+// goes on.
+TEST(MotionDetail, IsFullWhereADisplacedPointMayStandStill)
+{
+    Cage small = torus();
+    for (Vec3f& p : small.positions) p *= 0.01f;
+    add_charts(small);
+    DisplacedCage displaced("small", small, 1, 3);
+    const auto turned = [](Vec3f p, double tau) {
+        const double c = std::cos(tau), s = std::sin(tau);
+        return Vec3f(Vec3d(c * p.x - s * p.y + 0.8 * tau, s * p.x + c * p.y, p.z));
+    };
+    const Motion motion{"turning", 1, {}, turned, {}, {}};
+    const auto least = [](const lod::CageMotion& m) { return m.least_distance_across(kEye); };
+    EXPECT_GT(of_torus({"turning", 1, {}, [&](Vec3f p, double tau) { return turned(p * 0.01f, tau); }, {}, {}}, least), 0.5);
+    EXPECT_LE(of_cage(displaced.scene, displaced.cage, motion, least), 0.1);
 }
 
 TEST(MotionDetail, IsNoCoarserThanFourPixelsAndNeedsToKnowTheSamples)

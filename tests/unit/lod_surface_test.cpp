@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "lod/patch_surface.h"
 #include "lod/posed_patch.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/shape_builders.h"
@@ -364,6 +365,35 @@ TEST(TextureCoordinates, AreContinuousAtTheEndOfACreaseOppositeASeam)
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, SurfaceShapes, testing::ValuesIn(subdivision_shapes()), shape_test_name);
+
+// The squares of the products of tangents so short are no normal numbers in single precision.
+TEST(LimitSurface, NormalsDoNotDependOnTheSizeOfTheCage)
+{
+    const Cage cage = torus();
+    lod::PatchSurface surface;
+    const lod::ParameterGrid grid{0.125f, 0.25f, 0.25f, 0.25f, 3, 3};
+    const auto normals = [&](double scale) {
+        Mat4d place(scale);
+        place[3][3] = 1;
+        const DicedCage diced(cage, 0, place);
+        std::vector<Vec3f> all;
+        for (std::uint32_t face = 0; face < cage.face_sizes.size(); face += 7) {
+            Vec3f found[9];
+            surface.forget();
+            surface.normals({diced.posed, {face, 0}, 0}, grid, found);
+            all.insert(all.end(), found, found + 9);
+        }
+        return all;
+    };
+    const std::vector<Vec3f> wanted = normals(1);
+    for (const int exponent : {-20, -30, -40, -50, -60}) {
+        const std::vector<Vec3f> found = normals(std::exp2(exponent));
+        for (std::size_t k = 0; k < wanted.size(); ++k) {
+            EXPECT_NEAR(glm::length(wanted[k]), 1, 1e-6);
+            EXPECT_LE(glm::distance(found[k], wanted[k]), 1e-6f) << "2^" << exponent << ", normal " << k;
+        }
+    }
+}
 
 }  // namespace
 }  // namespace occam::test

@@ -102,6 +102,32 @@ TEST(Memory, TheFloorKnowsTheLargestFaceAndNoNumberOfChildren)
     EXPECT_GT(floor_of(10, 500), floor_of(10, 5));
 }
 
+// One large face makes derived points of the whole cage, which every pose has.
+TEST(Memory, TheFloorHoldsTheDerivedPointsOfACageWithALargeFace)
+{
+    constexpr std::uint32_t kSide = 200;
+    Cage cage = prism(65);
+    const auto first = static_cast<std::uint32_t>(cage.positions.size());
+    for (std::uint32_t i = 0; i <= kSide; ++i)
+        for (std::uint32_t j = 0; j <= kSide; ++j) cage.positions.push_back({0.05f * float(i), -2, 0.05f * float(j)});
+    for (std::uint32_t i = 0; i < kSide; ++i)
+        for (std::uint32_t j = 0; j < kSide; ++j) {
+            const std::uint32_t v = first + i * (kSide + 1) + j;
+            cage.face_sizes.push_back(4);
+            cage.face_vertices.insert(cage.face_vertices.end(), {v, v + 1, v + kSide + 2, v + kSide + 1});
+        }
+    Scene scene;
+    place(scene, scene.add(cage), Vec3d(0));
+    const Camera camera = Camera::look_at({3, 3, 8}, {2, -1, 0}, {0, 1, 0}, 0.6f);
+    const Settings settings{.width = 24, .height = 16, .spp = 1, .integrator = IntegratorKind::Direct};
+    Resources resources{.threads = 1};
+    resources.memory_bytes = Renderer(resources).memory_floor(scene);
+    EXPECT_GT(resources.memory_bytes, std::size_t(kSide) * kSide * 4 * sizeof(Vec3f));
+    Renderer tight(resources);
+    tight.render(scene, camera, settings);
+    EXPECT_LE(tight.stats().memory.arena_peak_bytes, resources.memory_bytes + Arena::kChunkBytes);
+}
+
 // A node with very many children is opened along the tree over them, where rays go.
 TEST(Memory, AFlatListOfNodesHasRoomAtTheFloor)
 {

@@ -26,6 +26,7 @@ Contents walked(const Scene& scene, const Node& node)
         if (slot->cage.is_displaced()) out.kinds |= Contents::Displaced;
         if (slot->is_on_demand() || slot->cage.scheme != Scheme::Triangles) out.kinds |= Contents::Subdivided;
         out.largest_face = std::max(out.largest_face, slot->largest_face);
+        out.derived_points = std::max(out.derived_points, slot->derived_points);
         for (const MaterialId material : node.materials.empty() ? slot->cage.materials : node.materials)
             out.kinds |= kinds_of(scene.material(material));
     }
@@ -55,6 +56,7 @@ void expect_what_a_walk_finds(Scene& scene, int step)
     const Contents found = scene.contents();
     ASSERT_EQ(found.kinds, all.kinds) << "step " << step;
     ASSERT_EQ(found.largest_face, all.largest_face) << "step " << step;
+    ASSERT_EQ(found.derived_points, all.derived_points) << "step " << step;
     for (std::size_t m = 0; m < std::size(kMasks); ++m) {
         std::vector<Placement> placements;
         scene.for_placements_of(kMasks[m], [&](NodeId id, const Node&, const Mat4d& world) {

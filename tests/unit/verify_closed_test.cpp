@@ -22,6 +22,11 @@ TEST(WhyNotClosed, NamesTheEdgeOrTheVertex)
     const std::uint32_t v = cube.face_vertices[0], w = cube.face_vertices[1];
     EXPECT_EQ(why_not_closed(open).substr(0, 5), "edge ");
     EXPECT_NE(why_not_closed(open).find(" has a face on one side only"), std::string::npos);
+    Cage flipped = cube;
+    std::reverse(flipped.face_vertices.begin(), flipped.face_vertices.begin() + flipped.face_sizes[0]);
+    EXPECT_NE(why_not_closed(flipped).find(" has several faces that pass it in one direction, and none in the other"),
+              std::string::npos)
+        << why_not_closed(flipped);
     Cage finned = cube;
     finned.positions.push_back({9, 9, 9});
     const auto tip = static_cast<std::uint32_t>(cube.positions.size());

@@ -1,0 +1,86 @@
+#include "scenegraph/large_parts.h"
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+namespace occam {
+namespace {
+
+/// Calls visit(corners) with the vertices of each face.
+template <class Visit>
+void for_each_face(const Cage& cage, Visit&& visit)
+{
+    std::size_t first = 0;
+    for (const std::uint32_t size : cage.face_sizes) {
+        visit(std::span<const std::uint32_t>(cage.face_vertices).subspan(first, size));
+        first += size;
+    }
+}
+
+/// What is around a vertex.
+struct Around {
+    std::size_t faces = 0, vertices = 0;  ///< each face counts all of its vertices but two
+    std::uint32_t before = 0, after = 0;  ///< the neighbours of the vertex in the first of these faces
+    bool is_pair = false;                 ///< whether some face has the same neighbours the other way around
+};
+
+std::vector<Around> look_around(const Cage& cage)
+{
+    std::vector<Around> all(cage.positions.size());
+    for_each_face(cage, [&](std::span<const std::uint32_t> corners) {
+        const std::size_t size = corners.size();
+        for (std::size_t c = 0; c < size; ++c) {
+            Around& at = all[corners[c]];
+            const std::uint32_t before = corners[(c + size - 1) % size], after = corners[(c + 1) % size];
+            if (at.faces == 0) at.before = before, at.after = after;
+            else at.is_pair |= at.before == after && at.after == before;
+            ++at.faces;
+            at.vertices += size - 2;
+        }
+    });
+    return all;
+}
+
+/// Returns whether a face may take derived points although it is not large and touches no large vertex: its corners see very
+/// many vertices, or lod::is_unsafe() may be true.
+bool may_take_points(const std::vector<Around>& around, std::span<const std::uint32_t> corners, bool has_creases)
+{
+    constexpr std::size_t kLeastInts = 256, kLeastFloats = 64;  // as in lod/unsafe_faces.cpp
+    std::size_t controls = 0, faces = 1, indices = corners.size(), edges = corners.size();
+    for (const std::uint32_t v : corners) {
+        const Around& at = around[v];
+        if (at.is_pair) return true;
+        controls += at.vertices;
+        faces += at.faces;
+        indices += at.vertices + 2 * at.faces;
+        edges += at.faces + 2;
+    }
+    return controls > kMostControls || (has_creases && (faces + indices + corners.size() + 2 * edges > kLeastInts ||
+                                                        corners.size() + edges > kLeastFloats));
+}
+
+}  // namespace
+
+std::size_t most_derived_points(const Cage& cage)
+{
+    if (cage.scheme == Scheme::Triangles) return 0;
+    // After a step of refinement, large faces are large vertices.
+    auto large = static_cast<std::size_t>(
+        std::ranges::count_if(cage.face_sizes, [](std::uint32_t size) { return size >= kLargeFrom; }));
+    bool takes = large > 0;
+    if (cage.scheme == Scheme::CatmullClark) {
+        const std::vector<Around> around = look_around(cage);
+        large += static_cast<std::size_t>(
+            std::ranges::count_if(around, [](const Around& at) { return at.faces >= kLargeFrom; }));
+        takes = large > 0;
+        for_each_face(cage, [&](std::span<const std::uint32_t> corners) {
+            takes = takes || may_take_points(around, corners, !cage.creases.empty());
+        });
+    }
+    // There are no more edges than corners.
+    return takes ? cage.positions.size() + cage.face_sizes.size() + cage.face_vertices.size() + large * kMovesOfALargeVertex
+                 : 0;
+}
+
+}  // namespace occam
