@@ -40,7 +40,7 @@ std::size_t largest_cage(const Contents& contents, std::size_t keys)
     std::size_t posed = sizeof(lod::PosedCage) + contents.joints * sizeof(Mat4d);
     if (contents.deformed_vertices > 0)
         posed += sizeof(lod::DeformedCage) + contents.deformed_vertices / 4;  // one pointer for each block of 32 vertices
-    posed += contents.derived_points * 2 * sizeof(Vec3f);  // those of a displaced cage are kept at rest, too
+    posed += contents.derived_points * sizeof(Vec3f);
     // A cluster has at least one face.
     if (keys > 1) posed += items * kBytesOfAKey + 2 * contents.written_faces * sizeof(Box3f);
     return items * (sizeof(PatchInfo) + kBytesOfAnItem) + keys * posed;

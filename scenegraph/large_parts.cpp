@@ -60,6 +60,20 @@ bool may_take_points(const std::vector<Around>& around, std::span<const std::uin
                                                         corners.size() + edges > kLeastFloats));
 }
 
+std::size_t count_edges(const Cage& cage)
+{
+    std::vector<std::uint64_t> edges;
+    edges.reserve(cage.face_vertices.size());
+    for_each_face(cage, [&](std::span<const std::uint32_t> corners) {
+        for (std::size_t c = 0; c < corners.size(); ++c) {
+            const auto [a, b] = std::minmax(corners[c], corners[(c + 1) % corners.size()]);
+            edges.push_back(std::uint64_t(a) << 32 | b);
+        }
+    });
+    std::ranges::sort(edges);
+    return static_cast<std::size_t>(std::unique(edges.begin(), edges.end()) - edges.begin());
+}
+
 }  // namespace
 
 std::size_t most_derived_points(const Cage& cage)
@@ -68,8 +82,9 @@ std::size_t most_derived_points(const Cage& cage)
     // After a step of refinement, large faces are large vertices.
     auto large = static_cast<std::size_t>(
         std::ranges::count_if(cage.face_sizes, [](std::uint32_t size) { return size >= kLargeFrom; }));
+    const bool is_smooth = cage.scheme == Scheme::CatmullClark;
     bool takes = large > 0;
-    if (cage.scheme == Scheme::CatmullClark) {
+    if (is_smooth) {
         const std::vector<Around> around = look_around(cage);
         large += static_cast<std::size_t>(
             std::ranges::count_if(around, [](const Around& at) { return at.faces >= kLargeFrom; }));
@@ -78,9 +93,9 @@ std::size_t most_derived_points(const Cage& cage)
             takes = takes || may_take_points(around, corners, !cage.creases.empty());
         });
     }
-    // There are no more edges than corners.
-    return takes ? cage.positions.size() + cage.face_sizes.size() + cage.face_vertices.size() + large * kMovesOfALargeVertex
-                 : 0;
+    if (!takes) return 0;
+    const std::size_t moves = is_smooth ? large * kMovesOfALargeVertex : 0;
+    return cage.positions.size() + cage.face_sizes.size() + count_edges(cage) + moves;
 }
 
 }  // namespace occam

@@ -80,7 +80,7 @@ void Scene::State::take_contents(CageId id, CageRecord& record)
     if (cage.is_displaced()) contents.kinds |= Contents::Displaced;
     if (record.is_on_demand() || cage.scheme != Scheme::Triangles) contents.kinds |= Contents::Subdivided;
     contents.largest_face = record.largest_face;
-    contents.derived_points = record.derived_points;
+    contents.derived_points = record.derived_points * (cage.is_displaced() ? 2 : 1);
     if (record.is_deformed()) contents.deformed_vertices = static_cast<std::uint32_t>(cage.positions.size());
     record.id = id;
     record.contents = contents;

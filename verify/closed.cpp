@@ -11,17 +11,42 @@ namespace occam {
 
 namespace {
 
+/// Adds angles up, each given as a complex number of that argument. Their product has the argument of their sum but for
+/// whole turns, which the signs of imaginary parts tell; so one arc tangent serves them all.
+class AngleSum {
+public:
+    /// Adds the argument of x + i y, in (-pi, pi]; 0 for 0.
+    void add(double x, double y) noexcept
+    {
+        const double largest = std::max(std::fabs(x), std::fabs(y));
+        if (!(largest > 0)) return;
+        x /= largest, y /= largest;
+        const double re = re_ * x - im_ * y, im = re_ * y + im_ * x;
+        // A sum of two angles of one sign has passed pi if its sine has the other sign.
+        if (im_ >= 0 && y >= 0 && im < 0) ++turns_;
+        if (im_ < 0 && y < 0 && (im > 0 || (im == 0 && re < 0))) --turns_;
+        const double size = std::max(std::fabs(re), std::fabs(im));
+        re_ = re / size, im_ = im / size;
+    }
+    double in_turns() const noexcept { return turns_ + std::atan2(im_, re_) / (2 * 3.14159265358979323846); }
+
+private:
+    double re_ = 1, im_ = 0;
+    int turns_ = 0;
+};
+
+// The tangent of half of a triangle's solid angle is a quotient (Van Oosterom and Strackee 1983).
 template <class Corner>
 double solid_angles(std::span<const Corner> corners, Vec3d at)
 {
-    double sum = 0;
+    AngleSum halves;
     for (std::size_t t = 0; t + 2 < corners.size(); t += 3) {
         const Vec3d a = Vec3d(corners[t]) - at, b = Vec3d(corners[t + 1]) - at, c = Vec3d(corners[t + 2]) - at;
         const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
         const double scale = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
-        sum += 2 * std::atan2(glm::dot(a, glm::cross(b, c)), scale);
+        halves.add(scale, glm::dot(a, glm::cross(b, c)));
     }
-    return sum / (4 * 3.14159265358979323846);
+    return halves.in_turns();
 }
 
 /// An edge as a face passes it, with the vertex that precedes it in the face.

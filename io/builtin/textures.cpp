@@ -26,14 +26,12 @@ float hashed(int x, int y, std::uint64_t seed) noexcept
     return float(mix_bits(mix_bits(key) + seed) >> 40) * 0x1p-24f;
 }
 
-// Returns value noise in [0, 1] over a lattice that repeats after `period` cells.
+// Returns value noise in [0, 1] over a lattice that repeats after `period` cells, a power of two.
 float noise(Vec2f p, int period, std::uint64_t seed) noexcept
 {
     const float fx = std::floor(p.x), fy = std::floor(p.y);
     const int x = int(fx), y = int(fy);
-    const auto at = [&](int i, int j) {
-        return hashed(((x + i) % period + period) % period, ((y + j) % period + period) % period, seed);
-    };
+    const auto at = [&](int i, int j) { return hashed((x + i) & (period - 1), (y + j) & (period - 1), seed); };
     const float u = smooth(p.x - fx), v = smooth(p.y - fy);
     return (at(0, 0) * (1 - u) + at(1, 0) * u) * (1 - v) + (at(0, 1) * (1 - u) + at(1, 1) * u) * v;
 }

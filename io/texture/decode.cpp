@@ -81,7 +81,7 @@ struct TextureSource::State {
     std::string name;
     TextureRole role = TextureRole::Color;
     int width = 0, height = 0;
-    std::vector<Vec4f> pixels;  // linear texels; if empty, the image is encoded
+    std::span<const Vec4f> pixels;  // linear texels of the texture; if empty, the image is encoded
     OpenImage image;
     PictureReader* input = nullptr;  // that of `image`
     int left = 0, top = 0;           // where the rows of `input` begin in the texture; they may reach beyond it

@@ -16,7 +16,7 @@ inline constexpr std::size_t kMaxTextureTexels = std::size_t(1) << 27;
 /// Holds one opened image: its size is known, its texels are not read yet.
 class TextureSource {
 public:
-    /// Throws Error if the file cannot be read or is too large.
+    /// Borrows the texture. Throws Error if the file cannot be read or is too large.
     explicit TextureSource(const Texture& texture);
     ~TextureSource();
     TextureSource(TextureSource&&) noexcept;
