@@ -15,22 +15,32 @@ namespace {
 /// whole turns, which the signs of imaginary parts tell; so one arc tangent serves them all.
 class AngleSum {
 public:
-    /// Adds the argument of x + i y, in (-pi, pi]; 0 for 0.
+    /// Adds the argument of x + i y, in (-pi, pi]; nothing for 0.
     void add(double x, double y) noexcept
     {
-        const double largest = std::max(std::fabs(x), std::fabs(y));
-        if (!(largest > 0)) return;
-        x /= largest, y /= largest;
         const double re = re_ * x - im_ * y, im = re_ * y + im_ * x;
-        // A sum of two angles of one sign has passed pi if its sine has the other sign.
-        if (im_ >= 0 && y >= 0 && im < 0) ++turns_;
-        if (im_ < 0 && y < 0 && (im > 0 || (im == 0 && re < 0))) --turns_;
         const double size = std::max(std::fabs(re), std::fabs(im));
-        re_ = re / size, im_ = im / size;
+        if (!(size > kSmall && size < kLarge)) [[unlikely]]
+            return rescale(x, y);
+        // A sum of two angles of one sign has passed pi if its sine has the other sign.
+        turns_ += int(im_ >= 0) & int(y >= 0) & int(im < 0);
+        turns_ -= int(im_ < 0) & int(y < 0) & int(im >= 0);
+        re_ = re, im_ = im;
     }
     double in_turns() const noexcept { return turns_ + std::atan2(im_, re_) / (2 * 3.14159265358979323846); }
 
 private:
+    static constexpr double kSmall = 1e-100, kLarge = 1e100;
+
+    // Adds the angle with both numbers scaled to about 1.
+    void rescale(double x, double y) noexcept
+    {
+        const double own = std::max(std::fabs(re_), std::fabs(im_)), other = std::max(std::fabs(x), std::fabs(y));
+        if (!(other > 0)) return;
+        re_ /= own, im_ /= own;
+        add(x / other, y / other);
+    }
+
     double re_ = 1, im_ = 0;
     int turns_ = 0;
 };

@@ -76,6 +76,40 @@ TEST(MeshPieces, AgreeWithSolidAnglesAndWithAllVertices)
     }
 }
 
+// Whole turns come from many triangles that turn the same way, and go with ones that turn back.
+TEST(WindingNumber, IsTheSumOfSolidAngles)
+{
+    test::Random random(5);
+    const auto point = [&](double scale) {
+        const double x = random(), y = random(), z = random();
+        return (2.0 * Vec3d(x, y, z) - 1.0) * scale;
+    };
+    double most = 0;
+    for (const double scale : {1.0, 1e-40, 1e40})
+        for (int i = 0; i < 60; ++i) {
+            const Vec3d at = point(0.2 * scale);
+            std::vector<Vec3d> corners;
+            double angles = 0;
+            for (int t = 0; t < 10 * i; ++t) {
+                Vec3d p[3];
+                for (Vec3d& corner : p) corner = point(scale);
+                const bool faces_away = glm::dot(p[0] - at, glm::cross(p[1] - at, p[2] - at)) < 0;
+                if (i % 2 == 1 && faces_away) std::swap(p[0], p[1]);  // all turn the same way
+                corners.insert(corners.end(), p, p + 3);
+                const Vec3d a = glm::normalize(p[0] - at), b = glm::normalize(p[1] - at), c = glm::normalize(p[2] - at);
+                angles += 2 *
+                          std::atan2(glm::dot(a, glm::cross(b, c)), 1 + glm::dot(a, b) + glm::dot(b, c) + glm::dot(c, a));
+            }
+            const double turns = angles / (4 * 3.14159265358979323846);
+            EXPECT_NEAR(winding_number(std::span<const Vec3d>(corners), at), turns, 1e-9) << scale << ' ' << i;
+            most = std::max(most, turns);
+        }
+    EXPECT_GT(most, 20);
+    // A corner is where the angles are seen from.
+    const std::vector<Vec3d> touching{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    EXPECT_EQ(winding_number(std::span<const Vec3d>(touching), Vec3d(0)), 0);
+}
+
 Mat4d stretched(double x)
 {
     Mat4d m(1);
