@@ -3,6 +3,7 @@
 // Numbers have as many digits as the precision of the stream says; 9 digits give a float back, and 17 a double.
 #pragma once
 
+#include <locale>
 #include <ostream>
 
 #include "base/box.h"
@@ -39,17 +40,25 @@ std::ostream& operator<<(std::ostream& out, Handle<Tag> id)
     return id.generation > 0 ? out << '.' << id.generation : out;
 }
 
-/// Sets the precision of a stream for a scope.
+/// Sets the precision of a stream for a scope, and how it writes numbers: as in C, whatever the locale of the application.
 class Precision {
 public:
-    Precision(std::ostream& out, int digits) : out_(out), before_(out.precision(digits)) {}
-    ~Precision() { out_.precision(before_); }
+    Precision(std::ostream& out, int digits)
+        : out_(out), before_(out.precision(digits)), locale_(out.imbue(std::locale::classic()))
+    {
+    }
+    ~Precision()
+    {
+        out_.precision(before_);
+        out_.imbue(locale_);
+    }
     Precision(const Precision&) = delete;
     Precision& operator=(const Precision&) = delete;
 
 private:
     std::ostream& out_;
     std::streamsize before_;
+    std::locale locale_;
 };
 
 }  // namespace occam

@@ -138,12 +138,16 @@ public:
         }
         return todo;
     }
-    /// Returns whether another process has made a missing frame in the meantime.
-    bool is_made_by_now(int frame) const
+    /// Returns whether another process has made a missing frame in the meantime. Throws Error if it did so with other
+    /// settings or from another scene.
+    bool is_made_by_now(int frame, const Settings& settings, const Camera& camera) const
     {
-        std::error_code ignored;
-        return !arguments_.overwrite && !made_again_.contains(frame) &&
-               fs::is_regular_file(arguments_.pattern.file(frame), ignored);
+        using State = FoundPicture::State;
+        if (arguments_.overwrite || made_again_.contains(frame)) return false;
+        const fs::path file = arguments_.pattern.file(frame);
+        const FoundPicture found = look_for(file, settings, note(frame, settings, camera));
+        if (found.state != State::Missing && found.state != State::Same && found.state != State::Broken) refuse(file, found);
+        return found.state == State::Same;
     }
 
 private:
@@ -214,17 +218,17 @@ void make_frames(Stage stage, const std::vector<int>& missing, std::size_t done,
     for (const int frame : missing) {
         if (is_interrupted()) return;
         const fs::path file = a.pattern.file(frame);
-        if (sequence.is_made_by_now(frame)) {
-            ++done;
-            continue;
-        }
-        display.set_subject("frame " + std::to_string(frame) + " (" + std::to_string(done + 1) + " of " +
-                            std::to_string(frame_count) + ")");
         const auto edit_start = Clock::now();
         framing.pose(frame);
         const Camera camera = framing.open_shutter(framing.camera(), frame);
         const double edit_seconds = seconds_since(edit_start);
         const Settings settings = sequence.settings(camera);
+        if (sequence.is_made_by_now(frame, settings, camera)) {
+            ++done;
+            continue;
+        }
+        display.set_subject("frame " + std::to_string(frame) + " (" + std::to_string(done + 1) + " of " +
+                            std::to_string(frame_count) + ")");
         Job job = renderer.start(scene, camera, settings);
         // An interrupted frame is not written, since a frame is either complete or absent.
         if (wait_for(job, display, held, false, done, frame_count) != Ending::Whole) {

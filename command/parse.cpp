@@ -119,12 +119,12 @@ void add_camera(CLI::App& app, RenderArguments& a)
         a.fov_deg = float(v);
     });
     CLI::Option* lens = add_number(app, "--lens", "Radius of a thin lens, world length [a pinhole]", [&](double v) {
-        if (!(v > 0)) throw std::invalid_argument("expected a length above 0");
+        if (!(float(v) > 0)) throw std::invalid_argument("expected a length above 0");
         a.lens_radius = float(v);
     });
     CLI::Option* focus = add_number(app, "--focus", "Distance of the plane in focus along the view, world length",
                                     [&](double v) {
-                                        if (!(v > 0)) throw std::invalid_argument("expected a length above 0");
+                                        if (!(float(v) > 0)) throw std::invalid_argument("expected a length above 0");
                                         a.focus = float(v);
                                     });
     lens->needs(focus);

@@ -1,7 +1,9 @@
 #include "recipe.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <set>
 #include <type_traits>
 
 #include "base/hash.h"
@@ -41,6 +43,22 @@ public:
         while (in.read(block.data(), static_cast<std::streamsize>(block.size())) || in.gcount() > 0)
             hash_ = fnv1a(block.data(), static_cast<std::size_t>(in.gcount()), hash_);
     }
+    /// Adds the size of a file, and its bytes; of a large one those at both ends.
+    void add_ends_of(const fs::path& file)
+    {
+        constexpr std::uintmax_t kEnd = std::uintmax_t(1) << 19;
+        std::error_code error;
+        const std::uintmax_t size = fs::file_size(file, error);
+        if (error) return add(-1);
+        add(size);
+        std::ifstream in(file, std::ios::binary);
+        std::string block(static_cast<std::size_t>(std::min(size, kEnd)), '\0');
+        for (const std::uintmax_t from : {std::uintmax_t(0), std::max(size, kEnd) - kEnd}) {
+            in.seekg(static_cast<std::streamoff>(from));
+            in.read(block.data(), static_cast<std::streamsize>(block.size()));
+            hash_ = fnv1a(block.data(), static_cast<std::size_t>(in.gcount()), hash_);
+        }
+    }
     std::uint64_t value() const { return mix_bits(hash_); }
 
 private:
@@ -54,6 +72,12 @@ std::uint64_t scene_stamp(Scene& scene, const RenderArguments& a)
     Fingerprint print;
     if (!a.scene.empty()) print.add_bytes_of(a.scene);
     if (!a.environment.empty()) print.add_bytes_of(a.environment);
+    // Images may be far larger than what is read of them.
+    std::set<fs::path> images;
+    for (const TextureId id : scene.texture_ids()) images.insert(scene.texture(id).path);
+    for (const fs::path& file : scene.files)
+        if (images.contains(file)) print.add_ends_of(file);
+        else if (file != a.scene && file != a.environment) print.add_bytes_of(file);
     const Scene::Counts counts = scene.counts();
     print.add(counts.nodes, counts.cages, counts.faces, counts.materials, counts.textures, counts.lights, counts.skins);
     const Box3d bounds = scene.bounds();

@@ -1,9 +1,9 @@
 // Computes a number from everything that a picture was made with, so that a picture that exists already can be told from one
 // that would be made now.
 //
-// The number depends on the version, the settings, the camera, the moment, the files of the scene and of the environment,
-// and what was read from the scene. It does not depend on threads, budgets or folders. Pictures have it in their heads
-// (WriteOptions::note).
+// The number depends on the version, the settings, the camera, the moment, and the bytes of the scene's file, of the files
+// that it names and of the environment; of an image of more than a mebibyte it sees the size and both ends. It does not
+// depend on threads, budgets or folders. Pictures have it in their heads (WriteOptions::note).
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace occam::command {
 
-/// Returns the part of the number that all pictures of one scene share. Reads both files once more.
+/// Returns the part of the number that all pictures of one scene share. Reads the files once more.
 std::uint64_t scene_stamp(Scene& scene, const RenderArguments& arguments);
 
 /// Holds what a picture is made with, besides the scene.

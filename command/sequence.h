@@ -23,8 +23,8 @@ private:
     int digits_ = 1;
 };
 
-/// Parses "1-240", "1-240x10" or "1-10,20,31-40x2" into frames in that order, each once. Numbers go from 0 to a million,
-/// and there are at most a million of them. Throws std::invalid_argument.
+/// Parses "1-240", "1-240x10" or "1-10,20,31-40x2" into frames in that order, each once. Numbers go from 0 to a million.
+/// Throws std::invalid_argument.
 std::vector<int> frames_of(std::string_view text);
 
 /// Describes one of `count` equal parts of a sequence; the index counts from 1.

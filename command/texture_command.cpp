@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "arguments.h"
+#include "base/error.h"
 #include "base/printable.h"
 #include "io/output_file.h"
 #include "io/texture/decode.h"
@@ -8,10 +9,31 @@
 
 namespace occam::command {
 
+namespace {
+
+// A file that is there is replaced only if it is one that this command makes: the two arguments are easily confused.
+void refuse_other_files(const std::filesystem::path& out)
+{
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(out, ignored) || is_written_directly(out)) return;
+    Texture there;
+    there.path = out;
+    bool is_ours = false;
+    try {
+        is_ours = TextureSource(there).is_tiled_file();
+    } catch (const Error&) {
+        // It is no image.
+    }
+    if (!is_ours) throw Error(out.string(), "is there already, and occam texture has not made it, so it is not replaced");
+}
+
+}  // namespace
+
 int run(const TextureArguments& a)
 {
     check_output(a.out);
     refuse_inputs({{a.out}}, {{a.image}});
+    refuse_other_files(a.out);
     remove_unfinished({{a.out}});
     Texture texture;
     texture.path = a.image;

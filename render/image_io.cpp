@@ -279,6 +279,7 @@ void Image::write(const fs::path& file, const WriteOptions& options) const
     check_writable(file);
     if (width < 1 || height < 1) refuse(file, "there is no picture to write");
     if (layers().empty()) refuse(file, "there is no layer to write");
+    if (options.exposure_ev && !std::isfinite(*options.exposure_ev)) refuse(file, "the exposure is not a finite number");
     for (const Layer& layer : layers())
         if (layer.pixels.size() != layer.channel_count() * std::size_t(width) * std::size_t(height))
             refuse(file, "layer " + layer.name + " does not hold a value of each channel for each pixel");

@@ -14,7 +14,7 @@ struct CameraLens {
     bool orthographic = false;
     float height = 2;  ///< full height in world units, orthographic only
     float radius = 0;  ///< radius of the thin lens in world units; 0: a pinhole, and everything is sharp
-    float focus = 0;   ///< distance along the camera's axis that is in focus, in world units, if the radius is above 0
+    float focus = 0;   ///< distance along the camera's axis that is in focus, in world units; 0: everything is sharp
     int blades = 0;    ///< number of aperture blades; fewer than 3: a round aperture
 };
 

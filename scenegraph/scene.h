@@ -1,7 +1,8 @@
 // The scene graph: nodes and what they hold. The application owns it and may change it between any two frames.
 //
-// An edit costs its path to the root: it marks bounds dirty up to there and does nothing else. A renderer borrows the
-// scene for a frame, refits what is dirty before the first tile, and writes nothing else to it.
+// An edit of a node costs its path to the root, up to which it marks bounds as dirty; what places a node below another one
+// looks for circles as well, and what writes, replaces or copies contents costs as much as these hold. A renderer borrows
+// the scene for a frame, refits what is dirty before the first tile, and writes nothing else to it.
 //
 // Space    a node's transform is relative to its parent; the root's axes are world axes. They are right-handed, with y up by
 //          convention only.
@@ -181,10 +182,11 @@ public:
     // Animation. Poses are written into the nodes, as if by set_transform() and set_morph_weights().
 
     /// Poses the clips' nodes. What an earlier pose() of the same `of` changed of a node (its place or its morph weights)
-    /// and these clips do not change returns to its rest value. A value that the application sets itself becomes the new
-    /// rest value. Several clips that move the same property are blended by their weighted mean (rotations along the
-    /// shorter arc). Seconds must be finite, and weights finite and at least 0.
-    /// of   null: the clips move the nodes that they name; a node that copy() made: they move the counterparts in that copy,
+    /// and these clips do not change returns to its rest value, even if a pose() of another `of` has changed it since. A
+    /// value that the application sets itself becomes the new rest value. Several clips that move the same property are
+    /// blended by their weighted mean (rotations along the shorter arc). Seconds must be finite, and weights finite and at
+    /// least 0. of   null: the clips move the nodes that they name; a node that copy() made: they move the counterparts in
+    /// that copy,
     ///      which may be a copy of a copy; AddedScene::node: they move what they name in that part
     void pose(std::span<const ClipAt> clips, NodeId of = {});
     void pose(ClipId clip, double seconds);

@@ -67,7 +67,8 @@ CageId Scene::add(OnDemandCage cage)
     const bool are_numbers = is_number(cage.bounds.lo) && is_number(cage.bounds.hi);
     if (!are_numbers || (!cage.bounds.is_empty() && !(cage.bounds.largest_coordinate() <= double(kMaxCoordinate))))
         throw error_without_file("a bound is not finite, or beyond 1e16", cage.name);
-    for (const MaterialId material : cage.materials) State::at(state_->materials, material, "material");
+    for (const MaterialId material : cage.materials)
+        if (material) State::at(state_->materials, material, "material");
     State::CageRecord record;
     record.cage.name = std::move(cage.name);
     record.cage.materials = std::move(cage.materials);

@@ -145,5 +145,47 @@ TEST_F(MadeFrames, HaveTheNoteOfRadianceFilesInComments)
     EXPECT_EQ(render::Image::read_head(folder / "c.hdr").note, "");
 }
 
+// The two begin at different ends. Whichever of them meets a frame of the other one must not take it for its own.
+TEST_F(MadeFrames, OfARunWithOtherSettingsThatMakesThemMeanwhileAreRefused)
+{
+    for (const char* pattern : {"a.#.exr", "b.#.png"}) {
+        const pid_t child = start(
+            words(pattern, "0-9", {"--seed", "1", "--exposure", "0", "--size", "96x64", "--spp", "64"}));
+        const Outcome other = run(
+            words(pattern, "9,8,7,6,5,4,3,2,1,0", {"--seed", "2", "--exposure", "0", "--size", "96x64", "--spp", "64"}));
+        const Outcome one = finish(child);
+        EXPECT_FALSE(one.exit_code == kDone && other.exit_code == kDone) << pattern;
+    }
+}
+
+TEST_F(MadeFrames, OfASceneWhoseFilesHaveChangedAreRefused)
+{
+    std::ofstream(folder / "red.mtl") << "newmtl a\nKd 1 0 0\nmap_Kd a.png\n";
+    std::ofstream(folder / "named.obj") << "mtllib red.mtl\nv -1 -1 0\nv 1 -1 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+    const auto named = [&] {
+        std::vector<std::string> all = words("b.#.exr", "0-1");
+        all[1] = "named.obj";
+        return all;
+    };
+    ASSERT_EQ(run({"render", "triangle.obj", "-o", "a.png", "--size", "8x8", "--spp", "1", "-q"}).exit_code, kDone);
+    ASSERT_EQ(run(words("a.#.exr", "0-1")).exit_code, kDone);
+    ASSERT_EQ(run(named()).exit_code, kDone);
+    EXPECT_EQ(run(words("a.#.exr", "0-1")).exit_code, kDone);
+    EXPECT_EQ(run(named()).exit_code, kDone);
+    // Each of these changes leaves all counts and bounds as they were.
+    const std::string image_before = text_of(folder / "a.png");
+    ASSERT_EQ(run({"render", "-o", "a.png", "--size", "8x8", "--spp", "1", "-q"}).exit_code, kDone);
+    EXPECT_EQ(run(named()).exit_code, kBadInput) << "another image";
+    std::ofstream(folder / "a.png", std::ios::binary) << image_before;
+    EXPECT_EQ(run(named()).exit_code, kDone);
+    std::ofstream(folder / "red.mtl") << "newmtl a\nKd 0 1 0\nmap_Kd a.png\n";
+    EXPECT_EQ(run(named()).exit_code, kBadInput) << "another material library";
+    std::fstream buffer(folder / "flight.bin", std::ios::binary | std::ios::in | std::ios::out);
+    const float later = 1.5f;
+    buffer.seekp(60).write(reinterpret_cast<const char*>(&later), sizeof later);
+    buffer.close();
+    EXPECT_EQ(run(words("a.#.exr", "0-1")).exit_code, kBadInput) << "another buffer";
+}
+
 }  // namespace
 }  // namespace occam

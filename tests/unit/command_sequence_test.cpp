@@ -26,6 +26,7 @@ TEST(Frames, AreRangesAndListsInOrderEachOnce)
     EXPECT_EQ(frames_of("5"), (std::vector<int>{5}));
     EXPECT_EQ(frames_of("1-4"), (std::vector<int>{1, 2, 3, 4}));
     EXPECT_EQ(frames_of("0-10x4"), (std::vector<int>{0, 4, 8}));
+    EXPECT_EQ(frames_of("0-1000000").size(), 1'000'001u);
     EXPECT_EQ(frames_of("7,1-3,2-8x3"), (std::vector<int>{7, 1, 2, 3, 5, 8}));
     for (const char* bad : {"", "a", "1-", "-3", "4-1", "1-3x0", "1-3x", "5x2", "1,,2", "1-3-5", "1e3", "0-9999999", "1 2"})
         EXPECT_THROW(frames_of(bad), std::invalid_argument) << bad;

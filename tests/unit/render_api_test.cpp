@@ -196,6 +196,7 @@ TEST(Query, NamesTheCageThatWasHit)
     Scene scene;
     OnDemandCage late;
     late.bounds = {{2, 0, 0}, {3, 1, 0}};
+    late.materials = {MaterialId()};  // the default one, as for other cages
     late.make = [=] { return at(2); };
     const CageId first = scene.add(at(0)), second = scene.add(std::move(late));
     const NodeId node = scene.add_node(scene.root(), {.cages = {first, second}});

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "base/error.h"
 #include "render/display.h"
@@ -147,6 +148,14 @@ TEST_F(ImageFile, TheRowsOfRadianceFilesBeginWhereTheirHeadSays)
     EXPECT_EQ(read("-Y 2 -X 3", {3, 2, 1, 6, 5, 4}), expected);
     EXPECT_EQ(read("+Y 2 -X 3", {6, 5, 4, 3, 2, 1}), expected);
     EXPECT_THROW(read("+X 3 -Y 2", {1, 2, 3, 4, 5, 6}), Error);
+}
+
+TEST_F(ImageFile, AnExposureThatIsNoNumberIsAnError)
+{
+    for (const float exposure : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()})
+        for (const char* name : {"a.png", "a.exr"})
+            EXPECT_THROW(gradient(8, 8).write(folder / name, {.exposure_ev = exposure}), Error) << name;
+    EXPECT_TRUE(fs::is_empty(folder));
 }
 
 TEST_F(ImageFile, PngCarriesTheSrgbCurve)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <locale>
 #include <sstream>
 
 #include "command/replay_command.h"
@@ -151,6 +152,33 @@ TEST(Replay, ALineOfARayHasAllItsBits)
           "origin 0 0 0, direction 0 0 1, footprint 1", "origin 0 0 0, direction 0 0 1, footprint 0 -1",
           "origin 0 0 0, direction 0 0 1, footprint -1 2"})
         EXPECT_THROW(read_ray_line(wrong), Error) << wrong;
+}
+
+// Writes 1234.5 as 1.234,5.
+struct OtherNumbers : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+};
+
+TEST(Replay, WritesNumbersAsInCWhateverTheLocaleOfTheApplication)
+{
+    struct Locale {
+        std::locale before = std::locale::global(std::locale(std::locale::classic(), new OtherNumbers));
+        ~Locale() { std::locale::global(before); }
+    } const other;
+    const RayLine line{1234, {1234.5, 0, 0}, {0, 0, 1}, 0.5, 0, 0};
+    EXPECT_EQ(read_ray_line(line.text()).cage, line.cage) << line.text();
+    EXPECT_EQ(read_ray_line(line.text()).origin, line.origin) << line.text();
+    Scene scene;
+    place(scene, scene.add(prism(4)), {0, 0, 0}, 0.5);
+    std::ostringstream out;
+    const Settings settings{.width = 2400, .height = 1600, .spp = 1};
+    Renderer({.threads = 1}).replay(scene, kCamera, settings, {1200, 800, 0}, out);
+    EXPECT_NE(out.str().find("of pixel 1200,800\n"), std::string::npos) << out.str();
+    EXPECT_EQ(out.str().find("0,"), out.str().find("0,800")) << out.str();
+    out << 1234;
+    EXPECT_TRUE(out.str().ends_with("1.234")) << "the stream is as it was";
 }
 
 TEST(Replay, ARayOfTheTestOfClosednessIsTracedAgain)

@@ -369,6 +369,16 @@ TEST_F(TextureCommand, RefusesWhatItCannotReadOrWrite)
     EXPECT_EQ(run({"texture", "a.png", "no/such/folder/a.tx"}).exit_code, 3);
     EXPECT_NE(run({"texture", "a.png", "a.png"}).exit_code, 0) << "it would replace its own input";
     EXPECT_FALSE(fs::exists(folder / "a.tx"));
+    // With its arguments the other way around it would replace the image.
+    ASSERT_EQ(run({"texture", "a.png", "a.tx"}).exit_code, 0);
+    EXPECT_EQ(run({"texture", "a.png", "a.tx"}).exit_code, 0) << "its own files are replaced";
+    const std::string before = text_of(folder / "a.png"), scene = text_of(folder / "triangle.obj");
+    const Outcome turned = run({"texture", "a.tx", "a.png"});
+    EXPECT_EQ(turned.exit_code, 2);
+    EXPECT_NE(turned.err.find("a.png: is there already"), std::string::npos) << turned.err;
+    EXPECT_EQ(text_of(folder / "a.png"), before);
+    EXPECT_EQ(run({"texture", "a.tx", "triangle.obj"}).exit_code, 2);
+    EXPECT_EQ(text_of(folder / "triangle.obj"), scene);
     EXPECT_EQ(run({"texture", "a.png"}).exit_code, 2);
 }
 

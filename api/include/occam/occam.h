@@ -67,7 +67,8 @@ Camera framing(Scene& scene, float aspect = 16.0f / 9.0f, ViewFrom from = ViewFr
 Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose, const std::function<Camera()>& camera,
                       int height, int segments = 0);
 
-/// A frame that is being rendered on a thread of its own. A job has one owner and can be moved.
+/// A frame that is being rendered on a thread of its own. A job has one owner and can be moved. A Job, a Renderer or a Query
+/// that was moved from may only be destroyed or assigned to.
 class Job {
 public:
     Job(Job&&) noexcept;
@@ -138,7 +139,7 @@ public:
                        std::ostream& out);
     /// Returns the least Resources::memory_bytes with which this renderer's number of threads can render the scene.
     std::size_t memory_floor(const Scene& scene) const;
-    /// Returns the statistics of the last frame that render() made.
+    /// Returns the statistics of the last frame that render() made. Call it while render() makes no other frame.
     const FrameStats& stats() const noexcept;
 
 private:
@@ -201,7 +202,8 @@ struct FirstHit {
 /// A query can be used for many frames: end() lets the application edit the scene, begin() continues with the edited scene,
 /// and everything that no vertex position can change is kept in between.
 ///
-/// Memory   at most `memory_bytes` for each thread that asks at the same time.
+/// Memory   at most `memory_bytes` for each thread that asks at the same time, or what a single ray needs if that is more
+///          (some megabytes).
 /// Threads  any number of threads may call the const functions at once; begin() and end() need to be called alone.
 /// Errors   in a scene with displacements or masks, begin() and questions throw Error if a texture cannot be read.
 class Query {
