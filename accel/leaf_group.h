@@ -89,7 +89,8 @@ public:
                     return !made || (has_boxes_of_igrids_ && !has_slab) ? MaskOf<F>(true) : enter(made->bounds, far);
                 if (!made || has_boxes_of_igrids_)
                     return enter(Moving{keyed(), box, has_slab ? &made->bounds.slab : nullptr}, far);
-                return enter(Moving{keyed(), box, nullptr}, far) & enter(made->bounds, far);
+                const MaskOf<F> in_moving = enter(Moving{keyed(), box, nullptr}, far), in_grid = enter(made->bounds, far);
+                return in_moving & in_grid;
             }
         // The box of a node whose only igrid has no slab is all that bounds it: the rays here are in it already.
         if (is_tested_ && (!made || made->bounds.slab.hi == FLT_MAX)) return MaskOf<F>(true);
