@@ -104,8 +104,16 @@ std::string_view matte_name(const Material& material) noexcept
 void MatteSums::add(float id, double coverage)
 {
     const auto known = std::find_if(shares_.begin(), shares_.end(), [&](const Share& s) { return s.id == id; });
-    if (known == shares_.end()) shares_.push_back({id, coverage});
-    else known->coverage += coverage;
+    if (known != shares_.end()) {
+        known->coverage += coverage;
+        return;
+    }
+    if (shares_.size() < kMostIds) {
+        shares_.push_back({id, coverage});
+        return;
+    }
+    const auto least = std::ranges::min_element(shares_, {}, &Share::coverage);
+    if (coverage > least->coverage) *least = {id, coverage};
 }
 
 void MatteSums::rank(double weight, float (&out)[2 * kMatteRanks])

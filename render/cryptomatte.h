@@ -35,8 +35,13 @@ struct MatteShare {
 };
 
 /// Sums the ids of one pixel. The sums depend only on the order of the samples.
+///
+/// A pixel keeps at most kMostIds of them, of which the largest coverages are written: where it has more, an id gives way to
+/// a new one that covers more.
 class MatteSums {
 public:
+    static constexpr std::size_t kMostIds = 64;
+
     void clear() noexcept { shares_.clear(); }
     void add(float id, double coverage);
     /// Writes id and coverage of each rank, the largest coverage first (then the id with the smaller bits), and zeros

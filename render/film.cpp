@@ -191,11 +191,13 @@ void Film::store(int x, int y, const PixelSums& sums) noexcept
     }
 }
 
-std::size_t Film::bytes() const noexcept
+std::size_t Film::bytes_for(const Settings& settings) noexcept
 {
-    std::size_t floats = 0;
-    for (const Layer& layer : image_.layers()) floats += layer.pixels.size();
-    return floats * sizeof(float);
+    const PixelRect rect = crop_pixels(settings);
+    std::size_t floats = 4;
+    for (const AovRow& row : kAovs)
+        if (settings.has(row.aov)) floats += row.channels.size() * (kCryptomattes.has(row.aov) ? kMatteLayers : 1);
+    return std::size_t(rect.width()) * std::size_t(rect.height()) * floats * sizeof(float);
 }
 
 }  // namespace occam::render

@@ -89,7 +89,8 @@ public:
     void store(int x, int y, const PixelSums& sums) noexcept;
     /// aov      one of the two Cryptomatte layers
     void store(int x, int y, Aov aov, MatteSums& mattes, double weight) noexcept;
-    std::size_t bytes() const noexcept;
+    /// Returns how many bytes the layers of a picture take.
+    static std::size_t bytes_for(const Settings& settings) noexcept;
     Image take() && { return std::move(image_); }
 
 private:

@@ -15,16 +15,21 @@
 namespace occam::render {
 namespace {
 
-// The memory is touched as soon as it is taken, so a picture that does not fit would stop the machine. A frame that is
-// stopped copies its sums to the checkpoint.
+// The memory is touched as soon as it is taken, so a picture that does not fit would stop the machine.
+void refuse_beyond_machine(std::size_t bytes, const std::string& what)
+{
+    if (const std::size_t most = machine_memory_bytes() / 4 * 3; most > 0 && bytes > most)
+        throw error_without_file("a picture of this size " + what + ' ' + std::to_string(bytes >> 20) +
+                                     " MB, and three quarters of the machine's memory are " + std::to_string(most >> 20) +
+                                     " MB",
+                                 "size", Error::Kind::Output);
+}
+
+// A frame that is stopped copies its sums to the checkpoint.
 void refuse_if_too_large(const FrameInputs& in)
 {
-    const std::size_t bytes = FrameSums::bytes_for(in.settings) * (in.keeps_checkpoint ? 2 : 1);
-    if (const std::size_t most = machine_memory_bytes() / 4 * 3; most > 0 && bytes > most)
-        throw error_without_file("a picture of this size that is made in rounds takes " + std::to_string(bytes >> 20) +
-                                     " MB for the sums of its pixels, and three quarters of the machine's memory are " +
-                                     std::to_string(most >> 20) + " MB",
-                                 "size", Error::Kind::Output);
+    refuse_beyond_machine(FrameSums::bytes_for(in.settings) * (in.keeps_checkpoint ? 2 : 1),
+                          "that is made in rounds has sums of its pixels that take");
 }
 
 // Returns the sums of a frame that is made in rounds, or null for a frame that is made tile by tile. A frame with a deadline
@@ -73,9 +78,11 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     stats.lights = {setup.lights.has_default(), setup.lights.meshes().any_emitter()};
     stats.tree = setup.frame.tree();
 
-    const std::unique_ptr<FrameSums> sums = sums_of(in);  // first, since it may be too large
+    // First, since they may be too large.
+    refuse_beyond_machine(Film::bytes_for(in.settings), "with these layers takes");
+    const std::unique_ptr<FrameSums> sums = sums_of(in);
     Film film(in.settings);
-    stats.memory.film_bytes = film.bytes();
+    stats.memory.film_bytes = Film::bytes_for(in.settings);
     stats.memory.floor_bytes = in.memory.floor_bytes;
     stats.memory.queue_bytes = in.memory.queue_bytes * static_cast<std::size_t>(in.resources.threads);
     FrameTracers tracers(setup.frame, in);

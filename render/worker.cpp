@@ -208,21 +208,40 @@ void Worker::end_clean_pixels(std::span<const PixelRect> tiles)
     std::erase_if(going_, [&](std::uint32_t i) { return errors[i] < context_.settings.error; });
 }
 
+// Each of the directions in which the hit of a camera ray is scattered no further may be a path of its own.
+std::size_t Worker::most_rays() const noexcept
+{
+    constexpr int kLeast = 16;
+    const Settings& settings = context_.settings;
+    const bool splits = settings.integrator == IntegratorKind::Direct || settings.bounces == 0;
+    if (!splits || !context_.lights.meshes().any_emitter()) return samples_.size();
+    return static_cast<std::size_t>(std::max(kLeast, batch_rays_ / settings.light_samples));
+}
+
 bool Worker::trace(int first, int last)
 {
     samples_.clear();
     for (const std::uint32_t i : going_)
         for (int s = first; s < last; ++s) samples_.push_back({pixels_[i].x, pixels_[i].y, s});
     results_.resize(samples_.size());
-    try {
-        integrator_.run(tracer_, samples_, results_);
-    } catch (const Cancelled&) {
-        return false;
+    const auto per_pixel = static_cast<std::size_t>(last - first);
+    const std::size_t most = most_rays();
+    matte_shares_.clear();
+    for (std::size_t begin = 0; begin < samples_.size(); begin += most) {
+        const std::size_t count = std::min(most, samples_.size() - begin);
+        try {
+            integrator_.run(tracer_, std::span(samples_).subspan(begin, count), std::span(results_).subspan(begin, count));
+        } catch (const Cancelled&) {
+            return false;
+        }
+        for (MatteShare share : integrator_.mattes()) {
+            share.sample += static_cast<std::uint32_t>(begin);
+            matte_shares_.push_back(share);
+        }
     }
     const Stopwatch watch(film_seconds_);
-    const auto per_pixel = static_cast<std::size_t>(last - first);
     for (std::size_t i = 0; i < samples_.size(); ++i) sums_[going_[i / per_pixel]].add(results_[i]);
-    for (const MatteShare& share : integrator_.mattes()) {
+    for (const MatteShare& share : matte_shares_) {
         const double covers = double(share.coverage) * double(results_[share.sample].weight);
         for (int k : {0, 1})
             if (context_.settings.has(kMattes[k]))

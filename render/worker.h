@@ -70,6 +70,8 @@ private:
     /// Traces samples [first, last) of each pixel that goes on, pixel by pixel and in their order, so that neighbouring rays
     /// stay neighbours in the batch. Returns false if the frame was cancelled meanwhile; the batch is then dropped.
     bool trace(int first, int last);
+    /// Returns how many camera rays may be on their way together, so that the paths that they split into stay few.
+    std::size_t most_rays() const noexcept;
 
     const FrameContext& context_;
     accel::Tracer& tracer_;
@@ -85,6 +87,7 @@ private:
     std::vector<std::uint32_t> going_;  ///< indices of those that go on, in their order
     std::vector<PixelSums> sums_;
     std::vector<MatteSums> mattes_[2];
+    std::vector<MatteShare> matte_shares_;  ///< of the batch
 };
 
 }  // namespace occam::render

@@ -35,7 +35,10 @@ LightSampleLanes sample_point(const WorldLight& light, const VecLanes& to_light)
         const vfloat share = distance2 / (light.range * light.range);
         fall = fall * clamp(one - share * share, zero, one);
     }
-    return {direction, distance, select(is_in_range, spread(light.strength) * fall, spread(Vec3f(0))), zero};
+    const VecLanes light_here = spread(light.strength) * fall;
+    const vfloat most = kMostOfAPoint;
+    const VecLanes limited{min(light_here.x, most), min(light_here.y, most), min(light_here.z, most)};
+    return {direction, distance, select(is_in_range, limited, spread(Vec3f(0))), zero};
 }
 
 LightSampleLanes sample_sun(const WorldLight& light, vfloat u, vfloat v) noexcept

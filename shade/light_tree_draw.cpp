@@ -61,6 +61,7 @@ float LightTree::Estimates::sum() const noexcept { return sum_of(light); }
 void LightTree::estimate(const Node& node, const Receiver& receiver, Estimates& to) noexcept
 {
     constexpr float kMostWrong = 16;
+    constexpr float kLeastDistance2 = 1e-24f;  // power over it must not overflow
     const Lanes3 normal = in_all_lanes(receiver.normal), normal_size = abs(normal);
     const vfloat zero(0.0f);
     for (std::size_t k = 0; k < kWide; k += std::size_t(kLanes)) {
@@ -68,7 +69,7 @@ void LightTree::estimate(const Node& node, const Receiver& receiver, Estimates& 
         const Lanes3 near_off = (abs(off) - half).positive(), far_off = abs(off) + half;
         const vfloat near2 = dot(near_off, near_off), far2 = dot(far_off, far_off);
         // Within the ball around the lights their power counts as if it stood at its border.
-        const vfloat distance2 = max(max(dot(off, off), dot(half, half)), vfloat(kMinDistance2));
+        const vfloat distance2 = max(max(dot(off, off), dot(half, half)), vfloat(kLeastDistance2));
         const vfloat distance = sqrt(distance2), inverse = vfloat(1.0f) / distance;
 
         vfloat height = dot(off, normal);

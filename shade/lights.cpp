@@ -132,7 +132,7 @@ LightSample sample_point(const WorldLight& light, Vec3f to_light) noexcept
         const float share = distance2 / (light.range * light.range);
         fall *= std::clamp(1 - share * share, 0.0f, 1.0f);
     }
-    return {direction, distance, light.strength * fall, 0};
+    return {direction, distance, glm::min(light.strength * fall, Vec3f(kMostOfAPoint)), 0};
 }
 
 LightSample sample_sun(const WorldLight& light, LightNumbers numbers) noexcept

@@ -100,8 +100,11 @@ private:
 /// irradiance of 1e-18.
 inline constexpr double kFarthestLight = 1e15;
 
-/// The smallest squared distance to a light, frame lengths: a point light's 1 / d^2 must not overflow.
-inline constexpr float kMinDistance2 = 1e-24f;
+/// The smallest squared distance to a light, frame lengths: 1 / d^2 must not overflow. A scene may be 1e16 times as large as
+/// what is near a lamp.
+inline constexpr float kMinDistance2 = 1e-36f;
+/// The most that a light without a surface gives, in units of the frame.
+inline constexpr float kMostOfAPoint = 1e30f;
 
 inline LightSample WorldLight::sample_towards(Vec3f to_light, float share) const noexcept
 {

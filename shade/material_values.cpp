@@ -99,8 +99,9 @@ void MaterialValues::look_up_rest(const Material& m, const lod::VertexToShade& a
 void MaterialValues::look_up_occlusion(const Material& m, const lod::VertexToShade& at,
                                        const TextureStore& textures) noexcept
 {
-    if (m.occlusion_texture)
-        occlusion = 1 + m.occlusion_strength * (std::max(texel(m.occlusion_texture, at, textures).x, 0.0f) - 1);
+    if (!m.occlusion_texture) return;
+    const float open = std::max(texel(m.occlusion_texture, at, textures).x, 0.0f);
+    occlusion = std::clamp(1 + m.occlusion_strength * (open - 1), 0.0f, 1.0f);
 }
 
 int packed_floats(const Material& material) noexcept

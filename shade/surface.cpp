@@ -149,7 +149,7 @@ void add_straight_body(const Material& m, const MaterialValues& values, const Di
                 opaque = (1 - metallic) * (1 - std::min(values.transmission, 1.0f));
     s.is_straight = true;
     s.absorption_inside = absorption_in(m);
-    s.transmittance += s.opacity * std::min(share, 1.0f) * tint_of_crossing(s.base_color);
+    s.transmittance += s.opacity * share * tint_of_crossing(s.base_color);
     s.diffuse = s.base_color * opaque;
     s.f0 = dielectric.f0 * opaque + s.base_color * metallic;
     s.f90 = dielectric.f90 * opaque + metallic;
@@ -160,12 +160,13 @@ void add_straight_body(const Material& m, const MaterialValues& values, const Di
 void add_transmission(const Material& m, const MaterialValues& values, const Dielectric& dielectric, bool back_side,
                       Surface& s) noexcept
 {
-    const float metallic = std::clamp(values.metallic, 0.0f, 1.0f), share = values.transmission * (1 - metallic);
+    const float metallic = std::clamp(values.metallic, 0.0f, 1.0f);
+    const float transmission = std::min(values.transmission, 1.0f), share = transmission * (1 - metallic);
     if (!(share > 0)) return;
     if (is_straight_body(m)) return add_straight_body(m, values, dielectric, share, s);
     s.is_solid = m.thickness > 0 && m.ior > 1 + kLeastBend;
     if (s.is_solid) {
-        s.solid_share = std::min(share, 1.0f);
+        s.solid_share = share;
         mix_opaque_rest(values, metallic, dielectric, s);
         s.transmission = tint_of_crossing(s.base_color);
         const float ior = std::min(m.ior, kMaxIor);
@@ -173,7 +174,7 @@ void add_transmission(const Material& m, const MaterialValues& values, const Die
         s.absorption_inside = absorption_in(m);
         return;
     }
-    s.diffuse *= 1 - std::min(values.transmission, 1.0f);
+    s.diffuse *= 1 - transmission;
     const Vec3f tint = share * s.base_color;
     if (values.roughness >= kClearRoughness) {
         s.transmission = tint;

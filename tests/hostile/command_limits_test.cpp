@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <fstream>
 #include <map>
 #include <sstream>
 #include <string>
@@ -104,6 +105,23 @@ TEST_P(HostileFilesInAProcess, EndInOneLineOrAPictureWithinLimits)
 INSTANTIATE_TEST_SUITE_P(Shared, HostileFilesInAProcess,
                          testing::Values("hostile/assimp", "hostile/gltf-validator", "hostile/missing-images",
                                          "hostile/tinygltf", "hostile/tinyobj"));
+
+// A hit that is scattered no further draws as many directions as a light has samples, each a path if a surface glows.
+TEST(CommandLimits, ManyLightSamplesTakeNoMemoryWithoutEnd)
+{
+    if (kIsSanitized) GTEST_SKIP() << "sanitizers take more memory than the limit allows";
+    const TempFolder temp;
+    std::ofstream(temp.path() / "glow.mtl") << "newmtl lamp\nKd 1 1 1\nKe 5 5 5\nnewmtl floor\nKd 0.5 0.5 0.5\n";
+    std::ofstream(temp.path() / "glow.obj")
+        << "mtllib glow.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv -1 -1 1\nv -1 1 1\nv -0.8 0 1.5\n"
+           "usemtl floor\nf 1 2 3 4\nusemtl lamp\nf 5 6 7\n";
+    const std::string scene = (temp.path() / "glow.obj").string(), picture = (temp.path() / "a.exr").string();
+    const ChildOutcome outcome = run_occam({"render", scene, "-o", picture, "--size", "32x32", "--spp", "4", "--integrator",
+                                            "direct", "--light-samples", "512", "--threads", "1", "--look-at=0,0,3,0,0,0"},
+                                           60);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_LE(outcome.peak_bytes, std::size_t(256) << 20);
+}
 
 }  // namespace
 }  // namespace occam::test

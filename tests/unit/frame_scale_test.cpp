@@ -240,5 +240,34 @@ TEST(FrameScale, MakesTheLargestSideOneToTwo)
         EXPECT_EQ(FrameScale(box).exponent(), 0);
 }
 
+// The unit of a frame follows its largest extent, of which what is near a lamp may be a tiny part.
+TEST(FrameScale, LampsShineAsWellInAMuchLargerScene)
+{
+    for (const bool is_area : {false, true}) {
+        double means[3];
+        for (const int k : {0, 1, 2}) {
+            Scene scene;
+            place(scene, scene.add(floor_mesh(1)), Vec3d(0));
+            NodeDesc lamp;
+            lamp.place.translation = {0, 0.2, 0};
+            lamp.place.rotation = {0.7071067811865476, -0.7071067811865476, 0, 0};  // it shines down
+            if (is_area)
+                lamp.light = scene.add(Light{"lamp", AreaLight{AreaLight::Shape::Rectangle, Vec2f(0.1f), Vec3f(3)}});
+            else lamp.light = scene.add(Light{"lamp", PointLight{Vec3f(1)}});
+            scene.add_node(scene.root(), lamp);
+            if (k > 0) place(scene, scene.add(floor_mesh(1)), {k == 1 ? 1e12 : 1e15, 0, 0});
+            const Image image = Renderer({.threads = 1})
+                                    .render(scene, Camera::look_at({2, 1, 2}, {0, 0, 0}, {0, 1, 0}, 0.4f),
+                                            {.width = 16, .height = 16, .spp = 16, .integrator = IntegratorKind::Direct});
+            const std::vector<float>& pixels = image.layers()[0].pixels;
+            double sum = 0;
+            for (std::size_t i = 0; i < pixels.size(); i += 4) sum += double(pixels[i]);
+            means[k] = sum / 256;
+        }
+        EXPECT_GT(means[0], 1e-3) << is_area;
+        for (const int k : {1, 2}) EXPECT_NEAR(means[k] / means[0], 1, 0.01) << is_area << ' ' << k;
+    }
+}
+
 }  // namespace
 }  // namespace occam::test

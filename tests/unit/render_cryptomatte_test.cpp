@@ -45,6 +45,17 @@ TEST(Cryptomatte, RanksGoByCoverage)
     EXPECT_EQ(ranks[6], 15.0f);
 }
 
+TEST(Cryptomatte, OfVeryManyIdsKeepsTheLargestAndLittleMemory)
+{
+    render::MatteSums sums;
+    for (int i = 0; i < 5000; ++i) sums.add(1.0f + float(i), 1e-6 * (i % 97));
+    for (int i = 0; i < 6; ++i) sums.add(0.1f * float(i + 1), i + 1);  // they come last
+    EXPECT_LE(sums.shares().size(), render::MatteSums::kMostIds);
+    float ranks[2 * render::kMatteRanks];
+    sums.rank(21, ranks);
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(ranks[2 * i], 0.1f * float(6 - i)) << i;
+}
+
 // Holds a floor that fills the picture, and in front of its left half a pane with an opacity of a quarter.
 struct Panes {
     Scene scene;

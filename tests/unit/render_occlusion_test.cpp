@@ -1,6 +1,7 @@
 // Tests of occlusion maps: how much ambient light they leave, and that they do not change traced light.
 #include <gtest/gtest.h>
 
+#include "tests/support/shape_builders.h"
 #include "tests/support/textured_floor.h"
 
 namespace occam::test {
@@ -36,6 +37,45 @@ TEST(Occlusion, DimsAmbientLightByItsStrength)
                 EXPECT_NEAR(value(image, layer, false), 1 + 0.8f * (0.25f - 1), 2e-3f) << layer;
                 EXPECT_NEAR(value(image, layer, true), 1, 2e-3f) << layer;
             }
+        }
+}
+
+// Texels of files of floats may be above 1.
+TEST(Occlusion, IsBetweenNoneAndAllWhateverItsTexelsAre)
+{
+    for (const float texel : {0.0f, 3.0f})
+        for (const render::ShadeAt at : {render::ShadeAt::Hit, render::ShadeAt::Vertex}) {
+            TexturedFloor world(Scheme::Bilinear, [&](Scene& scene) {
+                Material m;
+                m.occlusion_texture.texture = scene.add(texture_of([&](float, float) { return Vec4f(texel); }));
+                return m;
+            });
+            const Image image = world.picture({.integrator = IntegratorKind::Ao, .shade_at = at, .aovs = Aov::Occlusion});
+            for (const char* layer : {"beauty", "occlusion"})
+                EXPECT_NEAR(value(image, layer, false), texel > 0 ? 1 : 0, 1e-5f) << layer;
+        }
+}
+
+// A surface lets no more than all light through.
+TEST(Transmission, OfTexelsAboveOneIsThatOfOne)
+{
+    for (const float roughness : {0.0f, 0.5f})
+        for (const float thickness : {0.0f, 1.0f}) {
+            std::uint64_t sums[2];
+            for (const int k : {0, 1}) {
+                TexturedFloor world(Scheme::Bilinear, [&](Scene& scene) {
+                    Material m;
+                    m.transmission = 1;
+                    m.thickness = thickness;
+                    m.roughness = roughness;
+                    m.transmission_texture.texture = scene.add(
+                        texture_of([&](float, float) { return Vec4f(k ? 3.0f : 1.0f); }));
+                    return m;
+                });
+                place(world.scene, world.scene.add(floor_of(world.scene.add(Material()), Scheme::Triangles)), {0, -1, 0}, 2);
+                sums[k] = world.picture({.spp = 2, .shade_at = render::ShadeAt::Hit}).checksum();
+            }
+            EXPECT_EQ(sums[0], sums[1]) << "roughness " << roughness << ", thickness " << thickness;
         }
 }
 
