@@ -130,7 +130,9 @@ void Scene::State::remove_one(NodeId id) noexcept
         made.swap(copy->second.skins);
         posed.erase(copy);
     }
+    const SkinId worn = node.skin;
     nodes.remove(id);
+    lose_wearer(worn);
     // Skins that were made for a copy go with it, unless a node that hangs elsewhere wears them.
     for (const SkinId skin_of_copy : made) {
         SkinRecord* skin = skins.find(skin_of_copy);

@@ -119,6 +119,8 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
         keep_skin_moving(node.skin, *skin);
         node.node_from_skin = node_from_skin(id, *skin);
         keep_skin_in_place(id, node, *skin);
+    } else if (node.has_stale_keys) {
+        keep_own_keys(id, node);
     }
     Box3d bounds;
     Contents contents = own_contents(node);

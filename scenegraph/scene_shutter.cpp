@@ -157,6 +157,16 @@ void Scene::State::lose_keys(SkinRecord& skin) noexcept
     if (things_with_keys == 0) return;
     skin.has_stale_keys = true;
     mark_users_dirty(skin);
+    if (skin.users.ids().empty()) drop_keys(skin);  // mark_users_dirty() has left only those that wear it
+}
+
+void Scene::State::lose_wearer(SkinId id) noexcept
+{
+    SkinRecord* skin = skins.find(id);
+    if (!skin || skin->key_poses.empty()) return;
+    if (skin->users.has_any_that([&](NodeId user) { return wears(user, *skin); })) return;
+    drop_keys(*skin);
+    skin->has_stale_keys = true;
 }
 
 // A cage with keys is neither skinned nor morphed, so without them its bounds need no memory.
@@ -201,6 +211,17 @@ void Scene::State::keep_skin_in_place(NodeId id, NodeRecord& node, const SkinRec
     node.keys = std::move(keys);
 }
 
+void Scene::State::keep_own_keys(NodeId id, NodeRecord& node)
+{
+    for (NodeKey& key : node.keys) key.node_from_skin = Mat4d(1);
+    if (!node.keys.empty() && are_all_equal(node.keys) && node.keys.front() == key_of(node, id)) {
+        node.keys.clear();
+        --things_with_keys;
+        touch_in_parent(node);
+    }
+    node.has_stale_keys = false;
+}
+
 void Scene::State::keep_skin_moving(SkinId id, SkinRecord& skin)
 {
     if (!skin.has_stale_keys) return;
@@ -213,7 +234,8 @@ void Scene::State::keep_skin_moving(SkinId id, SkinRecord& skin)
         for (std::size_t k = 0; k <= std::size_t(shutter_segments); ++k) keys.push_back(poses_of(skin, k));
     if (are_all_equal(keys)) keys.clear();
     if (!keys.empty() && skin.key_poses.empty()) {
-        skins_with_keys.push_back(id);
+        if (!skin.is_listed_with_keys) skins_with_keys.push_back(id);
+        skin.is_listed_with_keys = true;
         ++things_with_keys;
     } else if (keys.empty() && !skin.key_poses.empty()) {
         --things_with_keys;
@@ -297,7 +319,7 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
     for (const auto& [id, joints] : record.skins) {
         State::SkinRecord& skin = *s.skins.find(id);
         s.lose_keys(skin);
-        s.keep_skin_moving(id, skin);
+        if (!skin.users.ids().empty()) s.keep_skin_moving(id, skin);
     }
     stored.keep();
 }
@@ -312,7 +334,10 @@ void Scene::clear_shutter()
             node->is_listed_with_keys = false;
         }
     for (const SkinId id : s.skins_with_keys)
-        if (State::SkinRecord* skin = s.skins.find(id)) s.drop_keys(*skin);
+        if (State::SkinRecord* skin = s.skins.find(id)) {
+            s.drop_keys(*skin);
+            skin->is_listed_with_keys = false;
+        }
     for (const CageId id : s.cages_with_keys)
         if (State::CageRecord* cage = s.cages.find(id)) s.drop_keys(*cage);
     s.nodes_with_keys.clear();

@@ -219,6 +219,7 @@ void Scene::remove(SkinId id)
     State::SkinRecord& skin = State::at(state_->skins, id, "skin");
     state_->drop_keys(skin);
     state_->mark_users_dirty(skin);
+    for (const NodeId user : skin.users.ids()) state_->nodes.find(user)->has_stale_keys = true;
     state_->skins.remove(id);
 }
 
@@ -228,7 +229,8 @@ void Scene::set_skin(NodeId id, SkinId skin)
     State::NodeRecord& node = State::at(state_->nodes, id, "node");
     if (skin) State::at(state_->skins, skin, "skin");
     if (node.skin == skin) return;
-    Rollback worn([&, before = node.skin, is_stale = node.has_stale_links] {
+    const SkinId before = node.skin;
+    Rollback worn([&, is_stale = node.has_stale_links] {
         node.skin = before;
         node.has_stale_links = is_stale;
     });
@@ -241,6 +243,7 @@ void Scene::set_skin(NodeId id, SkinId skin)
     worn.keep();
     state_->about_to_change(id, node);  // it drops the keys, which needs no memory outside of a recording
     state_->mark_dirty(id);
+    state_->lose_wearer(before);
 }
 
 void Scene::set_morph_weights(NodeId id, std::vector<float> weights)

@@ -55,6 +55,13 @@ public:
         std::erase_if(ids_, [&](Id id) { return !watches(id); });
         return ids_;
     }
+    /// Returns whether any id still watches. Ids at the end that watch no longer are dropped, so the mean cost is constant.
+    template <class Watches>
+    bool has_any_that(Watches&& watches) noexcept
+    {
+        while (!ids_.empty() && !watches(ids_.back())) ids_.pop_back();
+        return !ids_.empty();
+    }
 
 private:
     std::vector<Id> ids_;
@@ -157,10 +164,11 @@ struct Scene::State {
         bool has_stale_links = false;      ///< of a skinned node: link_user() has to register it again
     };
     struct SkinRecord : SkinSlot {
-        std::vector<int> parent_joint;  ///< the nearest joint above each joint, by index; below 0: none
-        bool dirty = true;              ///< mesh_poses are out of date
-        bool has_stale_keys = true;     ///< key_poses have to be found again
-        bool has_stale_links = false;   ///< what link_skin() finds is out of date
+        std::vector<int> parent_joint;     ///< the nearest joint above each joint, by index; below 0: none
+        bool dirty = true;                 ///< mesh_poses are out of date
+        bool has_stale_keys = true;        ///< key_poses have to be found again
+        bool has_stale_links = false;      ///< what link_skin() finds is out of date
+        bool is_listed_with_keys = false;  ///< in skins_with_keys
         Watchers users;
     };
     /// The state of pose() for the scene itself, and for each subtree that copy() or add() made.
@@ -321,10 +329,15 @@ struct Scene::State {
     /// Finds NodeKey::node_from_skin again where it is stale, and gives a node without keys those keys that it needs because
     /// it or its skin's base hangs below nodes that move.
     void keep_skin_in_place(NodeId id, NodeRecord& node, const SkinRecord& skin);
+    /// Keeps of the keys of a node without a skin only what moves the node itself.
+    void keep_own_keys(NodeId id, NodeRecord& node);
     /// Finds SkinSlot::key_poses again from the keys of the joints, and of what lies between them and the base.
     void keep_skin_moving(SkinId id, SkinRecord& skin);
-    /// Says that a skin's keys are stale, and marks the nodes that it deforms.
+    /// Says that a skin's keys are stale, and marks the nodes that it deforms. If there are none, the skin has no keys until
+    /// a node wears it, because only the refit of such a node finds them again.
     void lose_keys(SkinRecord& skin) noexcept;
+    /// Drops the keys of a skin if the node that has just ceased to wear it was the last one. A dead handle has no effect.
+    void lose_wearer(SkinId id) noexcept;
     /// Returns the nodes that have a camera, in the order in which they were added.
     std::vector<NodeId> nodes_with_cameras() const;
     NodeKey key_of(const NodeRecord& node, NodeId id) const;
