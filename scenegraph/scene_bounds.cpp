@@ -1,6 +1,4 @@
 // Marks the bounds that an edit puts out of date, and brings them up to date.
-#include <unordered_set>
-
 #include "scenegraph/scene_state.h"
 
 namespace occam {
@@ -83,23 +81,6 @@ bool Scene::State::is_instance_of(NodeId id, NodeId shown) const noexcept
 {
     const NodeRecord* node = nodes.find(id);
     return node && node->instance_of == shown;
-}
-
-bool Scene::State::is_shown_by(NodeId below, NodeId above) const
-{
-    std::vector<NodeId> todo{below};
-    std::unordered_set<NodeId> seen;
-    while (!todo.empty()) {
-        NodeId id = todo.back();
-        todo.pop_back();
-        for (const NodeRecord* node = nodes.find(id); node; id = node->parent, node = nodes.find(id)) {
-            if (id == above) return true;
-            if (!seen.insert(id).second) break;
-            for (NodeId instance : node->instances.ids())
-                if (is_instance_of(instance, id)) todo.push_back(instance);
-        }
-    }
-    return false;
 }
 
 Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept

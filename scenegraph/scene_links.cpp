@@ -3,6 +3,7 @@
 
 #include "base/error_without_file.h"
 #include "scenegraph/content_rules.h"
+#include "scenegraph/reachability.h"
 #include "scenegraph/scene_state.h"
 
 namespace occam {
@@ -10,6 +11,25 @@ namespace occam {
 Error Scene::State::shows_itself(const std::string& name)
 {
     return error_without_file("a node cannot show itself, as its own child or as an instance", name);
+}
+
+bool Scene::State::is_shown_by(NodeId below, NodeId above) const
+{
+    const auto if_alive = [&](NodeId id) { return nodes.find(id) ? id : NodeId(); };
+    const auto shown = [&](NodeId id, std::size_t i) -> std::optional<NodeId> {
+        const NodeRecord& node = *nodes.find(id);
+        if (i == 0) return if_alive(node.instance_of);
+        if (i > node.children.size()) return std::nullopt;
+        return node.children[i - 1];
+    };
+    const auto showing = [&](NodeId id, std::size_t i) -> std::optional<NodeId> {
+        const NodeRecord& node = *nodes.find(id);
+        if (i == 0) return node.parent;
+        if (i > node.instances.ids().size()) return std::nullopt;
+        const NodeId instance = node.instances.ids()[i - 1];
+        return is_instance_of(instance, id) ? instance : NodeId();
+    };
+    return leads_to(above, below, shown, showing);
 }
 
 void Scene::set_parent(NodeId id, NodeId parent)

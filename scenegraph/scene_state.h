@@ -287,7 +287,8 @@ struct Scene::State {
     bool is_instance_of(NodeId id, NodeId shown) const noexcept;   ///< false also for a node that was removed
     bool wears(NodeId id, const SkinRecord& skin) const noexcept;  ///< likewise
     static Error shows_itself(const std::string& name);
-    /// Returns whether `below` lies in what `above` shows, or is `above`.
+    /// Returns whether `below` lies in what `above` shows, or is `above`. It looks down from the one and up from the other,
+    /// and costs twice what the smaller of the two searches costs.
     bool is_shown_by(NodeId below, NodeId above) const;
     /// Refits one node and returns the number of children's boxes it visited beyond those that Scene::refit() has visited.
     std::size_t refit_node(NodeId id, NodeRecord& node);

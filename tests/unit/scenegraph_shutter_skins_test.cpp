@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <random>
+#include <string>
 
 #include "occam/occam.h"
 #include "scenegraph/content_hash.h"
