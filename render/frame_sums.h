@@ -4,7 +4,7 @@
 // need. A checkpoint is all of this as bytes. It holds sums in double and whole samples, so a frame that continues from it
 // has the same bits as one that was never stopped.
 //
-// Memory   64 to 200 bytes a pixel, beside the budget.
+// Memory   64 to 200 bytes a pixel, and up to 1 KB more for each Cryptomatte layer, beside the budget.
 // Threads  each tile is read and written by one worker at a time.
 #pragma once
 

@@ -117,7 +117,8 @@ struct SkinSlot {
     /// skin deforms nothing.
     NodeId base;
     std::vector<Mat4d> mesh_poses;  ///< base_from_mesh of each joint; valid after Scene::refit(). A removed joint: identity
-    std::vector<std::vector<Mat4d>> key_poses;  ///< mesh_poses at each key of the shutter; empty: no joint moves
+    std::vector<std::vector<Mat4d>> key_poses;  ///< mesh_poses at each key of the shutter; empty: no joint moves, or no node
+                                                ///< wears the skin
 };
 
 /// What Scene::add() made of another scene.
