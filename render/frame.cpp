@@ -16,11 +16,11 @@ namespace occam::render {
 namespace {
 
 // The memory is touched as soon as it is taken, so a picture that does not fit would stop the machine.
-void refuse_beyond_machine(std::size_t bytes, const std::string& what)
+void refuse_beyond_machine(std::size_t bytes, const std::string& picture, const std::string& purpose)
 {
     if (const std::size_t most = machine_memory_bytes() / 4 * 3; most > 0 && bytes > most)
-        throw error_without_file("a picture of this size " + what + ' ' + std::to_string(bytes >> 20) +
-                                     " MB, and three quarters of the machine's memory are " + std::to_string(most >> 20) +
+        throw error_without_file(picture + " takes " + std::to_string(bytes >> 20) + " MB for " + purpose +
+                                     ", and three quarters of the machine's memory are " + std::to_string(most >> 20) +
                                      " MB",
                                  "size", Error::Kind::Output);
 }
@@ -29,7 +29,7 @@ void refuse_beyond_machine(std::size_t bytes, const std::string& what)
 void refuse_if_too_large(const FrameInputs& in)
 {
     refuse_beyond_machine(FrameSums::bytes_for(in.settings) * (in.keeps_checkpoint ? 2 : 1),
-                          "that is made in rounds has sums of its pixels that take");
+                          "a picture of this size that is made in rounds", "the sums of its pixels");
 }
 
 // Returns the sums of a frame that is made in rounds, or null for a frame that is made tile by tile. A frame with a deadline
@@ -79,7 +79,7 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     stats.tree = setup.frame.tree();
 
     // First, since they may be too large.
-    refuse_beyond_machine(Film::bytes_for(in.settings), "with these layers takes");
+    refuse_beyond_machine(Film::bytes_for(in.settings), "a picture of this size", "its layers");
     const std::unique_ptr<FrameSums> sums = sums_of(in);
     Film film(in.settings);
     stats.memory.film_bytes = Film::bytes_for(in.settings);

@@ -115,6 +115,27 @@ TEST(Progressive, SumsThatExceedTheMachinesMemoryAreRefused)
     }
 }
 
+TEST(Progressive, LayersThatExceedTheMachinesMemoryAreRefused)
+{
+    Settings settings{.width = 24, .height = 16, .spp = 1, .shutter = {-0.25, 0.25}, .aovs = all_layers()};
+    Scene scene;
+    Renderer renderer({.threads = 1});
+    const Image image = renderer.render(scene, Camera(), settings);
+    std::size_t bytes = 0;
+    for (const Layer& layer : image.layers()) bytes += layer.pixels.size() * sizeof(float);
+    EXPECT_EQ(renderer.stats().memory.film_bytes, bytes);
+    settings.width = settings.height = 1 << 14;
+    if (bytes / (24 * 16) << 28 <= machine_memory_bytes() / 4 * 3)
+        GTEST_SKIP() << "this machine has room for all layers of the largest picture";
+    try {
+        renderer.render(scene, Camera(), settings);
+        ADD_FAILURE() << "it was made";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), Error::Kind::Output);
+        EXPECT_NE(std::string(error.what()).find("for its layers"), std::string::npos) << error.what();
+    }
+}
+
 TEST(Progressive, ACheckpointOfAnotherPictureOrADamagedOneIsRefused)
 {
     ProgressiveScene subject;
