@@ -5,9 +5,9 @@
 #include <bit>
 #include <cmath>
 
+#include "base/cross_product.h"
 #include "base/publish.h"
 #include "base/stopwatch.h"
-#include "lod/cross_product.h"
 
 namespace occam::accel {
 namespace {
@@ -58,7 +58,7 @@ const float* make_values(const LatticeGrid& grid, IGridPart& part, bool is_coars
             // Values stand still on what moves: they are those of the middle of the shutter.
             const auto place = [&](int u, int v) { return grid.fine_at(part.vertex(u, v), grid.segments / 2); };
             const Vec3f along_u = place(i1, at_j) - place(i0, at_j), along_v = place(at_i, j1) - place(at_i, j0);
-            const float area = lod::area_between(along_u, along_v);
+            const float area = area_between(along_u, along_v);
             const auto index = static_cast<std::size_t>(lattice.index(i, j));
             lod::VertexToShade& vertex = vertices[index] = {};
             places[index] = place(at_i, at_j) * to_world;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/check.h"
-#include "lod/cross_product.h"
+#include "base/cross_product.h"
 #include "lod/level_grid.h"
 
 namespace occam::lod {

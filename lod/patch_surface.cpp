@@ -1,6 +1,6 @@
 #include "lod/patch_surface.h"
 
-#include "lod/cross_product.h"
+#include "base/cross_product.h"
 
 namespace occam::lod {
 

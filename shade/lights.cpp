@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/cross_product.h"
 #include "base/overloaded.h"
 #include "shade/frame_of.h"
 
@@ -49,21 +50,6 @@ Vec3f half_side(const Mat4d& m, int column, float size) noexcept
     const Vec3d exact = Vec3d(m[column]) * (double(size) * 0.5);
     const double length = length_of(exact);
     return length > kLongestSide ? Vec3f(exact * (kLongestSide / length)) : axis(m, column) * (size * 0.5f);
-}
-
-int exponent_of(Vec3f v) noexcept
-{
-    const float largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
-    return largest > 0 ? std::ilogb(largest) : 0;
-}
-
-// Returns the area of the parallelogram between two vectors. Powers of two keep its square within the range of floats.
-float area_between(Vec3f a, Vec3f b) noexcept
-{
-    const int of_a = exponent_of(a), of_b = exponent_of(b);
-    const Vec3f across = glm::cross(Vec3f(Vec3d(a) * power_of_two_double(-of_a)),
-                                    Vec3f(Vec3d(b) * power_of_two_double(-of_b)));
-    return static_cast<float>(double(glm::length(across)) * power_of_two_double(of_a + of_b));
 }
 
 Vec3f unit_or(Vec3d v, Vec3f fallback) noexcept
