@@ -25,7 +25,6 @@ bool is_seam(const Far::TopologyLevel& level, int edge)
 /// vertex, vertices of the others may coincide. Small arrays have room to spare.
 bool may_overflow(const Far::TopologyLevel& level, int face)
 {
-    constexpr std::size_t kLeastInts = 256, kLeastFloats = 64;
     const auto corners = level.GetFaceVertices(face);
     const auto own = level.GetFaceEdges(face);
     const auto is_own = [&](int edge) { return std::find(own.begin(), own.end(), edge) != own.end(); };

@@ -133,6 +133,9 @@ public:
     /// Returns the matte shares of the batch that was run last, if the settings have a layer of Cryptomatte: the surfaces
     /// of each sample from front to back.
     std::span<const MatteShare> mattes() const noexcept { return mattes_; }
+    /// Returns how many paths the hit of a camera ray may be split into: the directions in which it is scattered no further,
+    /// each of which may hit a surface that emits light.
+    int paths_of_a_camera_ray() const noexcept;
 
     const IntegratorCounters& counters() const noexcept { return counters_; }
 

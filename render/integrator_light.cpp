@@ -77,6 +77,11 @@ int Integrator::scatter_samples_at(const Path& path) const noexcept
     return goes_on ? 1 : light_samples_at(path);
 }
 
+int Integrator::paths_of_a_camera_ray() const noexcept
+{
+    return context_.lights.meshes().any_emitter() ? scatter_samples_at(Path()) : 1;
+}
+
 void Integrator::test(const Vertex& v, const shade::ShadowTest& test, Vec3f share, int samples)
 {
     if (is_black(test.radiance)) return;

@@ -208,14 +208,10 @@ void Worker::end_clean_pixels(std::span<const PixelRect> tiles)
     std::erase_if(going_, [&](std::uint32_t i) { return errors[i] < context_.settings.error; });
 }
 
-// Each of the directions in which the hit of a camera ray is scattered no further may be a path of its own.
 std::size_t Worker::most_rays() const noexcept
 {
     constexpr int kLeast = 16;
-    const Settings& settings = context_.settings;
-    const bool splits = settings.integrator == IntegratorKind::Direct || settings.bounces == 0;
-    if (!splits || !context_.lights.meshes().any_emitter()) return samples_.size();
-    return static_cast<std::size_t>(std::max(kLeast, batch_rays_ / settings.light_samples));
+    return static_cast<std::size_t>(std::max(kLeast, batch_rays_ / integrator_.paths_of_a_camera_ray()));
 }
 
 bool Worker::trace(int first, int last)

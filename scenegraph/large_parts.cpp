@@ -20,23 +20,24 @@ void for_each_face(const Cage& cage, Visit&& visit)
 
 /// What is around a vertex.
 struct Around {
-    std::size_t faces = 0, vertices = 0;  ///< each face counts all of its vertices but two
-    std::uint32_t before = 0, after = 0;  ///< the neighbours of the vertex in the first of these faces
-    bool is_pair = false;                 ///< whether some face has the same neighbours the other way around
+    std::uint32_t faces = 0, vertices = 0;  ///< each face counts all of its vertices but two
+    std::uint32_t before = 0, after = 0;    ///< the neighbours of the vertex in the first of these faces
+    bool is_pair = false;                   ///< whether some face has the same neighbours the other way around
 };
 
 std::vector<Around> look_around(const Cage& cage)
 {
     std::vector<Around> all(cage.positions.size());
     for_each_face(cage, [&](std::span<const std::uint32_t> corners) {
-        const std::size_t size = corners.size();
-        for (std::size_t c = 0; c < size; ++c) {
+        std::uint32_t before = corners.back();
+        for (std::size_t c = 0; c < corners.size(); ++c) {
             Around& at = all[corners[c]];
-            const std::uint32_t before = corners[(c + size - 1) % size], after = corners[(c + 1) % size];
+            const std::uint32_t after = c + 1 < corners.size() ? corners[c + 1] : corners.front();
             if (at.faces == 0) at.before = before, at.after = after;
             else at.is_pair |= at.before == after && at.after == before;
             ++at.faces;
-            at.vertices += size - 2;
+            at.vertices += static_cast<std::uint32_t>(corners.size()) - 2;
+            before = corners[c];
         }
     });
     return all;
@@ -46,15 +47,14 @@ std::vector<Around> look_around(const Cage& cage)
 /// many vertices, or lod::is_unsafe() may be true.
 bool may_take_points(const std::vector<Around>& around, std::span<const std::uint32_t> corners, bool has_creases)
 {
-    constexpr std::size_t kLeastInts = 256, kLeastFloats = 64;  // as in lod/unsafe_faces.cpp
     std::size_t controls = 0, faces = 1, indices = corners.size(), edges = corners.size();
     for (const std::uint32_t v : corners) {
         const Around& at = around[v];
         if (at.is_pair) return true;
         controls += at.vertices;
         faces += at.faces;
-        indices += at.vertices + 2 * at.faces;
-        edges += at.faces + 2;
+        indices += std::size_t(at.vertices) + 2 * at.faces;
+        edges += std::size_t(at.faces) + 2;
     }
     return controls > kMostControls || (has_creases && (faces + indices + corners.size() + 2 * edges > kLeastInts ||
                                                         corners.size() + edges > kLeastFloats));

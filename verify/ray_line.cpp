@@ -1,12 +1,12 @@
 #include "verify/ray_line.h"
 
 #include <cmath>
-#include <locale>
 #include <sstream>
 #include <vector>
 
 #include "base/error_without_file.h"
 #include "base/number_in.h"
+#include "base/print.h"
 
 namespace occam {
 namespace {
@@ -37,8 +37,7 @@ std::vector<std::string_view> words_of(std::string_view text)
 std::string RayLine::text() const
 {
     std::ostringstream out;
-    out.imbue(std::locale::classic());  // the application may have another one
-    out.precision(17);
+    const Precision digits(out, 17);
     if (cage > 0) out << "cage " << cage << ", ";
     out << "origin " << origin.x << ' ' << origin.y << ' ' << origin.z << ", direction " << direction.x << ' ' << direction.y
         << ' ' << direction.z << ", footprint " << width << ' ' << spread;
