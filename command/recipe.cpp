@@ -46,7 +46,7 @@ public:
     /// Adds the size of a file, and its bytes; of a large one those at both ends.
     void add_ends_of(const fs::path& file)
     {
-        constexpr std::uintmax_t kEnd = std::uintmax_t(1) << 19;
+        constexpr std::uintmax_t kEnd = std::uintmax_t(1) << 16;
         std::error_code error;
         const std::uintmax_t size = fs::file_size(file, error);
         if (error) return add(-1);

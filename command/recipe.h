@@ -2,7 +2,7 @@
 // that would be made now.
 //
 // The number depends on the version, the settings, the camera, the moment, and the bytes of the scene's file, of the files
-// that it names and of the environment; of an image of more than a mebibyte it sees the size and both ends. It does not
+// that it names and of the environment; of an image of more than 128 KiB it sees the size and both ends. It does not
 // depend on threads, budgets or folders. Pictures have it in their heads (WriteOptions::note).
 #pragma once
 

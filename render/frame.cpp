@@ -78,9 +78,7 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     stats.lights = {setup.lights.has_default(), setup.lights.meshes().any_emitter()};
     stats.tree = setup.frame.tree();
 
-    // First, since they may be too large.
-    refuse_beyond_machine(Film::bytes_for(in.settings), "a picture of this size", "its layers");
-    const std::unique_ptr<FrameSums> sums = sums_of(in);
+    const std::unique_ptr<FrameSums> sums = sums_of(in);  // first, since it may be too large
     Film film(in.settings);
     stats.memory.film_bytes = Film::bytes_for(in.settings);
     stats.memory.floor_bytes = in.memory.floor_bytes;
@@ -132,6 +130,7 @@ FrameResult frame_so_far(const FrameInputs& in, FrameStats& stats)
 
 FrameResult render_frame(const FrameInputs& in, FrameControl& control, FrameStats& stats)
 {
+    refuse_beyond_machine(Film::bytes_for(in.settings), "a picture of this size", "its layers");
     const CancelScope scope(control);
     try {
         return make_frame(in, control, stats);
