@@ -36,7 +36,7 @@ struct Contents {
     std::uint32_t widest = 0;             ///< most things that opening one node puts side by side
     std::uint32_t levels = 0;             ///< most nodes on a way down, the first one included
     std::uint32_t largest_face = 0;       ///< corners
-    std::size_t derived_points = 0;       ///< of a pose of one cage, at most (large_parts.h); also at rest if displaced
+    std::size_t derived_points = 0;       ///< the most that a pose of one cage keeps (scenegraph/large_parts.h)
     std::uint32_t deformed_vertices = 0;  ///< of the largest cage that a skin or morph targets deform
     std::uint32_t joints = 0;             ///< of the largest skin that a node wears
     std::uint32_t written_faces = 0;      ///< of the largest cage whose vertices move by keys of their own

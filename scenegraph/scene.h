@@ -99,7 +99,7 @@ struct CageSlot {
     std::uint64_t identity = 0;  ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
     std::uint32_t largest_face = 4;              ///< corners; at least 4, and 4 for an OnDemandCage
-    std::size_t derived_points = 0;              ///< at most so many of a pose (large_parts.h); 0 for an OnDemandCage
+    std::size_t derived_points = 0;              ///< the most that a pose has (large_parts.h); 0 for an OnDemandCage
     std::vector<std::uint32_t> unused_vertices;  ///< those that no face has, in ascending order; bounds do not hold them
     DeformBoundsTable deform;    ///< one part, the whole cage; none if no skin and no morph target deforms the cage
     std::function<Cage()> make;  ///< for an OnDemandCage, whose `cage` has a name and materials only
@@ -186,8 +186,8 @@ public:
     /// and these clips do not change returns to its rest value, even if a pose() of another `of` has changed it since. A
     /// value that the application sets itself becomes the new rest value. Several clips that move the same property are
     /// blended by their weighted mean (rotations along the shorter arc). Seconds must be finite, and weights finite and at
-    /// least 0. of   null: the clips move the nodes that they name; a node that copy() made: they move the counterparts in
-    /// that copy,
+    /// least 0.
+    /// of   null: the clips move the nodes that they name; a node that copy() made: they move the counterparts in that copy,
     ///      which may be a copy of a copy; AddedScene::node: they move what they name in that part
     void pose(std::span<const ClipAt> clips, NodeId of = {});
     void pose(ClipId clip, double seconds);

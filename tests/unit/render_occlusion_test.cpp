@@ -1,4 +1,5 @@
-// Tests of occlusion maps: how much ambient light they leave, and that they do not change traced light.
+// Tests of maps of occlusion: how much ambient light they leave, and that they do not change traced light; and of maps of
+// transmission beyond their range.
 #include <gtest/gtest.h>
 
 #include "tests/support/shape_builders.h"

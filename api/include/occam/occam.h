@@ -68,7 +68,7 @@ Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose,
                       int height, int segments = 0);
 
 /// A frame that is being rendered on a thread of its own. A job has one owner and can be moved. A Job, a Renderer or a Query
-/// that was moved from may only be destroyed or assigned to.
+/// that was moved from may only be destroyed; a Job and a Renderer may be assigned to as well.
 class Job {
 public:
     Job(Job&&) noexcept;
