@@ -26,6 +26,18 @@ std::uint64_t rays_of_a_campaign();
 /// hundred made and shared cages.
 std::uint64_t rays_per_cage();
 
+/// Chooses among the combinations of nested loops: all of them in the long campaigns, else every `nth` one, from the first
+/// on. A number that shares no factor with the lengths of the loops takes each of their values.
+class EveryNth {
+public:
+    explicit EveryNth(unsigned nth) : nth_(is_long() ? 1 : nth) {}
+    /// Returns whether the next combination is taken.
+    bool takes() { return next_++ % nth_ == 0; }
+
+private:
+    unsigned nth_, next_ = 0;
+};
+
 /// Returns how many rays are sent at each of two places by tests in which each ray blends the surface for itself: an eighth
 /// of rays_of_a_campaign() in the long campaigns, else 2.5 * 10^4.
 std::uint64_t blended_rays_per_place();
