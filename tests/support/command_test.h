@@ -66,6 +66,12 @@ protected:
                 text_of(folder / "stderr.txt")};
     }
     Outcome run(const std::vector<std::string>& arguments) const { return finish(start(arguments)); }
+    /// Returns whether plain progress says that the first per cent of a picture is rendered.
+    static bool has_begun(const std::string& progress)
+    {
+        const std::size_t at = progress.rfind("rendering, ");
+        return at != std::string::npos && at + 11 < progress.size() && progress[at + 11] != '0';
+    }
 
     const char* executable = test::occam_executable();
     fs::path folder;

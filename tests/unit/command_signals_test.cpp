@@ -10,6 +10,7 @@
 #include "command/interrupt.h"
 #include "io/output_file.h"
 #include "render/image.h"
+#include "tests/support/campaign.h"
 #include "tests/support/command_test.h"
 
 namespace occam {
@@ -31,11 +32,11 @@ protected:
         }
         return finish(child);
     }
-    // A picture that takes minutes, whose first tiles take none.
+    // A picture that takes many times as long as its first per cents.
     std::vector<std::string> long_picture(const std::vector<std::string>& more) const
     {
-        std::vector<std::string> all{"render",    "triangle.obj", "-o",  "a.png",     "--size",
-                                     "1024x1024", "--spp",        "256", "--threads", "1"};
+        std::vector<std::string> all{"render",  "triangle.obj", "-o",  "a.png",     "--size",
+                                     "512x512", "--spp",        "256", "--threads", "1"};
         all.insert(all.end(), more.begin(), more.end());
         return all;
     }
@@ -51,6 +52,10 @@ protected:
         for (int i = 0; i < 6000 && text_of(folder / "stderr.txt").find(text) == std::string::npos; ++i)
             std::this_thread::sleep_for(10ms);
     }
+    void wait_for_tiles() const
+    {
+        for (int i = 0; i < 6000 && !has_begun(text_of(folder / "stderr.txt")); ++i) std::this_thread::sleep_for(10ms);
+    }
 };
 
 // A pipe that nobody reads. Its ends stay open in this process, so that the command's writes block.
@@ -65,12 +70,13 @@ public:
     UnreadPipe& operator=(const UnreadPipe&) = delete;
 
     int writer() const { return ends_[1]; }
-    /// Reads until the text has come.
-    void read_until(const std::string& text) const
+    /// Reads until is_enough(what has been read).
+    template <class IsEnough>
+    void read_until(IsEnough&& is_enough) const
     {
         std::string all;
         char block[512];
-        while (all.find(text) == std::string::npos) {
+        while (!is_enough(all)) {
             pollfd ready = {ends_[0], POLLIN, 0};
             if (poll(&ready, 1, 60'000) != 1) return;
             const ssize_t got = read(ends_[0], block, sizeof block);
@@ -98,7 +104,7 @@ TEST_F(Signals, EndARenderWhoseStatisticsNobodyReads)
 {
     mkfifo((folder / "s.fifo").c_str(), 0666);
     const pid_t child = start(long_picture({"--progress", "plain", "--stats", "s.fifo"}));
-    wait_for_text("rendering, 1");
+    wait_for_tiles();
     kill(child, SIGTERM);
     const Outcome o = finish_or_kill(child);
     EXPECT_EQ(o.exit_code, kInterrupted) << o.err;
@@ -113,7 +119,7 @@ TEST_F(Signals, OfATerminalThatIsGoneEndARenderUnlessItWasStartedToIgnoreThem)
         fs::remove(folder / "stderr.txt");
         before_exec = [&] { signal(SIGHUP, is_ignored ? SIG_IGN : SIG_DFL); };
         const pid_t child = start(long_picture({"--progress", "plain"}));
-        wait_for_text("rendering, 1");
+        wait_for_tiles();
         kill(child, SIGHUP);
         if (is_ignored) {
             std::this_thread::sleep_for(50ms);
@@ -154,7 +160,7 @@ TEST_F(Signals, EndARenderWhoseProgressNobodyReadsAndItsPictureIsWritten)
         const int stream = style == std::string("plain") ? STDERR_FILENO : STDOUT_FILENO;
         before_exec = [&] { dup2(pipe.writer(), stream); };
         const pid_t child = start(long_picture({"--progress", style}));
-        pipe.read_until("rendering, 1");
+        pipe.read_until(has_begun);
         pipe.fill();
         kill(child, SIGTERM);
         EXPECT_EQ(finish_or_kill(child).exit_code, kInterrupted) << style;
@@ -162,8 +168,8 @@ TEST_F(Signals, EndARenderWhoseProgressNobodyReadsAndItsPictureIsWritten)
     }
 }
 
-/// Calls `act` in a process of its own, which handles signals as the command does, and returns its exit code.
-int exit_code_of(const std::function<void()>& act)
+/// Calls `act` in a process of its own, which handles signals as the command does.
+pid_t process_of(const std::function<void()>& act)
 {
     const pid_t child = fork();
     if (child == 0) {
@@ -171,10 +177,17 @@ int exit_code_of(const std::function<void()>& act)
         act();
         _exit(kDone);
     }
+    return child;
+}
+
+/// Waits for the end of a process, and returns its exit code.
+int exit_code_of(pid_t child)
+{
     int status = 0;
     waitpid(child, &status, 0);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
+int exit_code_of(const std::function<void()>& act) { return exit_code_of(process_of(act)); }
 
 // Does nothing, until the limit of a second has passed.
 void outlast_the_limit() { std::this_thread::sleep_for(1500ms); }
@@ -182,20 +195,19 @@ void outlast_the_limit() { std::this_thread::sleep_for(1500ms); }
 TEST_F(Signals, LeaveASecondUnlessTimeIsAllowed)
 {
     using command::HeldInterrupts;
-    const int without = exit_code_of([] {
+    // They wait at the same time.
+    const pid_t without = process_of([] {
         const HeldInterrupts held;
         std::raise(SIGTERM);
         outlast_the_limit();
     });
-    EXPECT_EQ(without, kInterrupted);
-    const int allowed = exit_code_of([] {
+    const pid_t allowed = process_of([] {
         HeldInterrupts held;
         std::raise(SIGTERM);
         held.allow_time();
         outlast_the_limit();
     });
-    EXPECT_EQ(allowed, kDone);
-    const int limited_again = exit_code_of([] {
+    const pid_t limited_again = process_of([] {
         HeldInterrupts held;
         std::raise(SIGTERM);
         held.allow_time();
@@ -203,15 +215,13 @@ TEST_F(Signals, LeaveASecondUnlessTimeIsAllowed)
         held.limit();
         outlast_the_limit();
     });
-    EXPECT_EQ(limited_again, kInterrupted);
-    const int allowed_too_early = exit_code_of([] {
+    const pid_t allowed_too_early = process_of([] {
         HeldInterrupts held;
         held.allow_time();
         std::raise(SIGTERM);
         outlast_the_limit();
     });
-    EXPECT_EQ(allowed_too_early, kInterrupted);
-    const int after = exit_code_of([] {
+    const pid_t after = process_of([] {
         {
             HeldInterrupts held;
             std::raise(SIGTERM);
@@ -219,7 +229,11 @@ TEST_F(Signals, LeaveASecondUnlessTimeIsAllowed)
         }
         outlast_the_limit();
     });
-    EXPECT_EQ(after, kInterrupted);
+    EXPECT_EQ(exit_code_of(without), kInterrupted);
+    EXPECT_EQ(exit_code_of(allowed), kDone);
+    EXPECT_EQ(exit_code_of(limited_again), kInterrupted);
+    EXPECT_EQ(exit_code_of(allowed_too_early), kInterrupted);
+    EXPECT_EQ(exit_code_of(after), kInterrupted);
 }
 
 // A parent may block signals, and a process inherits that.
@@ -279,7 +293,8 @@ TEST_F(Signals, RemoveTheTemporaryFilesOfTheProcess)
 
 TEST_F(Signals, DuringTextureOrCompareLeaveNoTemporaryFile)
 {
-    render::Image image(3000, 3000);
+    const int side = is_long() ? 3000 : 1200;
+    render::Image image(side, side);
     std::uint32_t state = 1;
     for (float& value : image.add_layer("beauty", {"R", "G", "B"}).pixels)
         value = float((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;

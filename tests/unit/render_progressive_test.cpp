@@ -10,6 +10,7 @@
 #include "base/machine_memory.h"
 #include "occam/occam.h"
 #include "render/frame_sums.h"
+#include "tests/support/campaign.h"
 #include "tests/support/command_test.h"
 #include "tests/support/shape_builders.h"
 
@@ -28,7 +29,11 @@ render::AovSet all_layers()
 struct ProgressiveScene {
     Scene scene = builtin_scene();
     Camera camera = scene.camera().value_or(Camera::framing(scene.bounds()));
-    Settings settings{.width = 50, .height = 34, .spp = 24, .shutter = {-0.25, 0.25}, .aovs = all_layers()};
+    Settings settings{.width = test::is_long() ? 50 : 30,
+                      .height = test::is_long() ? 34 : 20,
+                      .spp = 24,
+                      .shutter = {-0.25, 0.25},
+                      .aovs = all_layers()};
 };
 
 void expect_same(const Image& a, const Image& b)
@@ -236,21 +241,17 @@ using Resume = test::CommandTest;
 
 TEST_F(Resume, AnInterruptedPictureGoesOnAndIsTheSame)
 {
-    const auto words = [](const std::string& name, const std::vector<std::string>& more = {}) {
-        std::vector<std::string> all{"render", "triangle.obj", "-o",    name,   "--size",     "64x48",
-                                     "--exr",  "float",        "--spp", "1000", "--progress", "plain"};
+    const std::string spp = test::is_long() ? "1000" : "400";
+    const auto words = [&](const std::string& name, const std::vector<std::string>& more = {}) {
+        std::vector<std::string> all{"render", "triangle.obj", "-o",    name, "--size",     "64x48",
+                                     "--exr",  "float",        "--spp", spp,  "--progress", "plain"};
         all.insert(all.end(), more.begin(), more.end());
         return all;
     };
     const auto pixels = [&](const char* name) { return render::Image::read(folder / name).layer(0).pixels; };
     const pid_t child = start(words("a.exr", {"--threads", "1", "--checkpoint", "on"}));
     // Before the first sample of all pixels there is nothing to keep, so the test waits for the first per cent.
-    const auto has_begun = [&] {
-        const std::string said = test::text_of(folder / "stderr.txt");
-        const std::size_t at = said.rfind("rendering, ");
-        return at != std::string::npos && said[at + 11] != '0';
-    };
-    for (int i = 0; i < 12000 && !has_begun(); ++i) std::this_thread::sleep_for(5ms);
+    for (int i = 0; i < 12000 && !has_begun(test::text_of(folder / "stderr.txt")); ++i) std::this_thread::sleep_for(5ms);
     kill(child, SIGTERM);
     const test::Outcome stopped = finish(child);
     ASSERT_EQ(stopped.exit_code, test::kInterrupted) << stopped.err;
