@@ -1,5 +1,5 @@
 // Runs scene files of the shared data through the executable: valid files give pictures; the others give one line or a
-// picture, within 20 s and one GiB. Every fourth file is run by default, and all of them with OCCAM_LONG=1.
+// picture, within 20 s and one GiB. Every twelfth file is run by default, and all of them with OCCAM_LONG=1.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -41,7 +41,7 @@ protected:
     {
         const std::vector<fs::path> all = scene_files_below(folder());
         std::vector<fs::path> some;
-        for (std::size_t i = 0; i < all.size(); i += is_long() ? 1 : 4) some.push_back(all[i]);
+        for (std::size_t i = 0; i < all.size(); i += is_long() ? 1 : 12) some.push_back(all[i]);
         return some;
     }
 

@@ -157,26 +157,26 @@ TEST_F(MadeFiles, OfGltfWithAnyNumberReplacedAreRefusedInOneLineOrLoad)
 {
     const Gltf g = everything();
     g.write(folder_);
-    replace_numbers("broken.gltf", g.json(), true, 6);
+    replace_numbers("broken.gltf", g.json(), true, 18);
     EXPECT_GT(refused_, tried_ / 4);
 }
 
-TEST_F(MadeFiles, OfGlbWithBrokenBytesAreRefusedInOneLineOrLoad) { break_bytes("broken.glb", everything().glb(), 37); }
+TEST_F(MadeFiles, OfGlbWithBrokenBytesAreRefusedInOneLineOrLoad) { break_bytes("broken.glb", everything().glb(), 111); }
 
 TEST_F(MadeFiles, OfPolygonsWithAnyNumberReplacedAreRefusedInOneLineOrLoad)
 {
-    replace_numbers("broken.obj", kObj, false, 4);
-    replace_numbers("broken.ply", kPly, false, 4);
-    replace_numbers("broken.off", kOff, false, 4);
-    replace_numbers("broken.stl", kStl, false, 4);
+    replace_numbers("broken.obj", kObj, false, 12);
+    replace_numbers("broken.ply", kPly, false, 12);
+    replace_numbers("broken.off", kOff, false, 12);
+    replace_numbers("broken.stl", kStl, false, 12);
 }
 
 TEST_F(MadeFiles, OfPolygonsWithBrokenBytesAreRefusedInOneLineOrLoad)
 {
-    break_bytes("broken.obj", kObj, 11);
-    break_bytes("broken.ply", kPly, 11);
-    break_bytes("broken.off", kOff, 5);
-    break_bytes("broken.stl", kStl, 11);
+    break_bytes("broken.obj", kObj, 33);
+    break_bytes("broken.ply", kPly, 33);
+    break_bytes("broken.off", kOff, 15);
+    break_bytes("broken.stl", kStl, 33);
 }
 
 }  // namespace

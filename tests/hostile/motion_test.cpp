@@ -98,9 +98,11 @@ void expect_picture_of_growth(const Cage& cage, Vec3d to, int segments, Vec3d ey
 TEST(HostileMotion, CagesThatGrowMuchAreNoMoreWorkThanOthers)
 {
     const Cage cage = ball(3);
+    EveryNth some(3);
     for (const Vec3d to : {Vec3d(1e3), Vec3d(1e5), Vec3d(1e7), Vec3d(1e20), Vec3d(1, 1e7, 1)})
         for (const int segments : {2, 8})
-            for (const double eye : {0.1, 4.0}) expect_picture_of_growth(cage, to, segments, {0, 0, eye});
+            for (const double eye : {0.1, 4.0})
+                if (some.takes()) expect_picture_of_growth(cage, to, segments, {0, 0, eye});
     expect_picture_of_growth(cage, Vec3d(1e7), 32, {0, 0, 4});
 }
 
