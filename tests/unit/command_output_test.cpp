@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "io/output_file.h"
 #include "render/image.h"
+#include "tests/support/campaign.h"
 #include "tests/support/command_test.h"
 
 namespace occam {
@@ -45,10 +46,10 @@ protected:
     {
         before_exec = [file] { dup2(open(file, O_WRONLY), STDOUT_FILENO); };
     }
-    // The built-in scene fills a picture with detail that no format packs into a kilobyte.
+    // The light has noise, which no format packs into a kilobyte.
     std::vector<std::string> detailed(const std::string& output, const std::vector<std::string>& more = {}) const
     {
-        std::vector<std::string> all{"render", "-o", output, "--size", "64x48", "--spp", "1"};
+        std::vector<std::string> all{"render", "triangle.obj", "-o", output, "--size", "64x48", "--spp", "1"};
         all.insert(all.end(), more.begin(), more.end());
         return all;
     }
@@ -103,7 +104,8 @@ TEST_F(Outputs, AFullDiskIsAnErrorInEveryFormatAndLeavesNothing)
 TEST_F(Outputs, ASequenceOnAFullDiskKeepsItsWholeFramesAlone)
 {
     if (!mount_small("20k")) GTEST_SKIP() << "this user may not mount a file system";
-    const Outcome o = run({"animate", "-o", "small/a.##.png", "--frames", "0-9", "--size", "48x36", "--spp", "1"});
+    const Outcome o = run(
+        {"animate", "triangle.obj", "-o", "small/a.##.png", "--frames", "0-9", "--size", "48x36", "--spp", "1"});
     EXPECT_EQ(o.exit_code, kOutput) << o.err;
     const auto names = files_in(small());
     EXPECT_FALSE(names.empty());
@@ -249,7 +251,7 @@ TEST_F(Outputs, NothingIsOnStandardErrorButALineOfOurs)
                      45);
     std::ofstream(folder / "bad.png", std::ios::binary) << text;
     for (const std::vector<std::string>& words :
-         {std::vector<std::string>{"render", "-o", "a.png", "--environment", "bad.png", "--size", "4x4", "--spp", "1"},
+         {std::vector<std::string>{"render", "triangle.obj", "-o", "a.png", "--environment", "bad.png", "--size", "4x4"},
           {"compare", "bad.png", "bad.png"}}) {
         const Outcome o = run(words);
         EXPECT_EQ(o.exit_code, kBadInput);
@@ -265,7 +267,7 @@ TEST_F(Outputs, NamesMayHoldAnyCharacters)
         const std::vector<std::string> words{"render", "triangle.obj", "-o", name, "--size", "4x4", "--spp", "1"};
         const Outcome o = run(words);
         EXPECT_EQ(o.exit_code, kDone) << o.err;
-        EXPECT_EQ(run({"compare", name, name}).exit_code, kDone) << name;
+        EXPECT_EQ(render::Image::read(folder / name).width, 4) << name;
     }
 }
 
@@ -318,7 +320,7 @@ TEST_F(Outputs, AWriterKeepsItsTemporaryThoughOthersTidyUpWhenItBegins)
         while (!is_done) remove_unfinished(std::span(&file, 1));
     });
     int lost = 0;
-    for (int attempt = 0; attempt < 400; ++attempt) {
+    for (int attempt = 0; attempt < (is_long() ? 400 : 100); ++attempt) {
         const OutputFile out(file);
         for (int wait = 0; wait < 3; ++wait) std::this_thread::yield();
         lost += !fs::exists(out.temporary());

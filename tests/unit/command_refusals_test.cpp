@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include "render/image.h"
+#include "tests/support/campaign.h"
 #include "tests/support/command_test.h"
 
 namespace occam {
@@ -25,9 +26,11 @@ TEST_F(Refusals, OfAPictureWithoutAFormatDoNotSpeakOfOtherOptions)
 {
     fs::create_directory(folder / "kept");
     const std::string why = ": has no extension of a format that can be written: .exr .hdr .png .jpg .tif";
+    EveryNth some(5);
     for (const std::vector<std::string>& idle : std::vector<std::vector<std::string>>{
              {}, {"--exposure", "0"}, {"--tonemap", "srgb"}, {"--exr", "half"}, {"--aov", "depth"}}) {
         for (const std::string name : {".png", "-", "/dev/null", "a", "a.xyz", "kept/.exr"}) {
+            if (!some.takes()) continue;
             std::vector<std::string> words{"render", "triangle.obj", "-o", name};
             words.insert(words.end(), idle.begin(), idle.end());
             expect_refusal(words, name + why);
@@ -90,15 +93,18 @@ TEST_F(Refusals, OfNumbersComeBeforeTheyOverflow)
 "aspectRatio": 1e-7}}]})";
     const std::string size = "expected from 1 to 65536 pixels a side (size)",
                       crop = "expected shares of the frame with 0 <= X0 < X1 <= 1 and 0 <= Y0 < Y1 <= 1 (crop)";
-    ASSERT_EQ(run({"animate", "-o", "a.#.png", "--frames", "0", "--size", "4x4", "--spp", "1"}).exit_code, kDone);
+    ASSERT_EQ(run({"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0", "--size", "4x4", "--spp", "1"}).exit_code,
+              kDone);
     for (const char* name : {"1x30000000", "2000000000x2000000000", "1x65537"}) {
-        expect_refusal({"render", "-o", "b.png", "--size", name}, size);
-        expect_refusal({"animate", "-o", "a.#.png", "--frames", "0", "--size", name}, size);
-        expect_refusal({"animate", "-o", "a.#.exr", "--frames", "0", "--size", name}, size);
+        expect_refusal({"render", "triangle.obj", "-o", "b.png", "--size", name}, size);
+        expect_refusal({"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0", "--size", name}, size);
+        expect_refusal({"animate", "triangle.obj", "-o", "a.#.exr", "--frames", "0", "--size", name}, size);
     }
     for (const char* share : {"0,1e30,0,1", "-1e30,1,0,1", "0,1,0,1e38", "0,1,1e30,1e31"}) {
-        expect_refusal({"render", "-o", "b.png", std::string("--crop=") + share}, crop);
-        expect_refusal({"animate", "-o", "a.#.png", "--frames", "0", "--size", "4x4", std::string("--crop=") + share}, crop);
+        expect_refusal({"render", "triangle.obj", "-o", "b.png", std::string("--crop=") + share}, crop);
+        expect_refusal(
+            {"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0", "--size", "4x4", std::string("--crop=") + share},
+            crop);
     }
     // The height that follows from such an aspect is the largest one.
     const Outcome flat = run({"render", "flat.gltf", "-o", "b.exr", "--crop", "0,0.01,0,0.001", "--spp", "1"});
