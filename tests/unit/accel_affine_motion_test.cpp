@@ -9,6 +9,7 @@
 #include "accel/frame.h"
 #include "accel/tracer.h"
 #include "lod/pose_cage.h"
+#include "tests/support/campaign.h"
 #include "tests/support/motions.h"
 #include "tests/support/random_directions.h"
 #include "tests/support/shape_builders.h"
@@ -206,8 +207,10 @@ void expect_same_bits(const PlacedMotion& motion, double spread)
 
 TEST(AffineMotion, FindsTheSameBitsAloneAndInPacketsAndInBothTrees)
 {
-    for (const std::size_t which : {0, 1, 4})
-        for (const double spread : {1.0, 0.05}) expect_same_bits(kPlacedMotions[which], spread);
+    EveryNth some(2);
+    for (const double spread : {1.0, 0.05})
+        for (const std::size_t which : {0, 1, 4})
+            if (some.takes()) expect_same_bits(kPlacedMotions[which], spread);
 }
 
 TEST(AffineMotion, TakesTheMemoryOfACageThatStands)

@@ -5,6 +5,7 @@
 #include <array>
 #include <sstream>
 
+#include "tests/support/campaign.h"
 #include "tests/support/textured_floor.h"
 #include "tests/support/tracer_stage.h"
 
@@ -81,8 +82,10 @@ std::vector<accel::Ray> all_rays(const Box3d& bounds)
 
 TEST(Trees, FindTheSameBitsAtAllLevelsAndForAnyBudget)
 {
-    for (const lod::LevelMode mode : {lod::LevelMode::PerRay, lod::LevelMode::Frozen, lod::LevelMode::PerInstance})
-        for (const int level : {-1, -4}) {
+    EveryNth some(2);
+    for (const int level : {-1, -4})
+        for (const lod::LevelMode mode : {lod::LevelMode::PerRay, lod::LevelMode::Frozen, lod::LevelMode::PerInstance}) {
+            if (!some.takes()) continue;
             Stage stage;
             add_all_kinds(stage.scene);
             const accel::Frame kd = stage.frame(level, mode, TreeKind::Kd), bvh = stage.frame(level, mode, TreeKind::Bvh);
@@ -99,9 +102,9 @@ TEST(Trees, FindTheSameBitsAtAllLevelsAndForAnyBudget)
             EXPECT_EQ(in_bvh.counters().flushes, 0u);
             for (const std::size_t part : {2, 8, 1'000'000}) {
                 accel::Tracer tight(bvh, in_bvh.counters().peak_bytes / part);
-                const std::span<const accel::Ray> some = std::span(rays).first(part > 8 ? 100 : rays.size());
+                const std::span<const accel::Ray> first = std::span(rays).first(part > 8 ? 100 : rays.size());
                 Answers answers = expected;
-                answers.ask(tight, some, 0, some.size());
+                answers.ask(tight, first, 0, first.size());
                 expect_same(expected, answers, where + ", 1/" + std::to_string(part) + " of the memory");
                 EXPECT_GT(tight.counters().flushes, 0u);
             }
@@ -231,8 +234,10 @@ TEST(Trees, GrowWhereBoxesLieInOnePlaceOrAreSpreadOverAllScales)
 
 TEST(Trees, FindTheSameBitsWhereThingsMove)
 {
+    EveryNth some(2);
     for (const int segments : {1, 4})
         for (const double distance : {0.05, 3.0, 40.0}) {
+            if (!some.takes()) continue;
             Stage stage;
             record_flights(stage.scene, segments, distance);
             const accel::Frame kd = stage.frame(-3, lod::LevelMode::PerRay, TreeKind::Kd), bvh = stage.frame(-3);
@@ -289,8 +294,10 @@ void record_swarm(Scene& scene, int segments)
 
 TEST(Trees, FindTheSameBitsWhereManyThingsFlyFarAlongBentPaths)
 {
-    for (const int segments : {2, 8, 32})
-        for (const int level : {0, -3}) {
+    EveryNth some(2);
+    for (const int level : {0, -3})
+        for (const int segments : {2, 8, 32}) {
+            if (!some.takes()) continue;
             Stage stage;
             record_swarm(stage.scene, segments);
             const accel::Frame kd = stage.frame(level, lod::LevelMode::PerRay, TreeKind::Kd), bvh = stage.frame(level);

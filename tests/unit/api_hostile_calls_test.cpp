@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "occam/occam.h"
+#include "tests/support/campaign.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam {
@@ -213,7 +214,7 @@ TEST(Api, RenderersBeginFramesOfOneSceneAtOnce)
         for (int k = 0; k < 100; ++k) nodes.push_back(ball.scene.add_node(above, {.cages = {cage}}));
     }
     const Settings settings{.width = 4, .height = 4, .spp = 1};
-    for (int frame = 0; frame < 20; ++frame) {
+    for (int frame = 0; frame < (test::is_long() ? 20 : 6); ++frame) {
         for (std::size_t k = 0; k < nodes.size(); ++k)
             ball.scene.set_transform(
                 nodes[k], Trs{.translation = {std::sin(double(k) + frame), std::cos(double(k)), 1}, .scale = Vec3d(0.01)});

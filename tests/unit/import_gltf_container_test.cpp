@@ -1,6 +1,7 @@
 // Tests of GLB containers, and of buffers beside a glTF.
 #include <gtest/gtest.h>
 
+#include "tests/support/campaign.h"
 #include "tests/support/gltf_scene.h"
 #include "tests/support/import_errors.h"
 
@@ -28,7 +29,7 @@ TEST(ImportGltfContainer, BrokenFramesAreRefused)
     std::string longer = glb;
     longer[12] = '\x7f';
     EXPECT_NE(error_of(folder.write("c.glb", longer)).find("GLB container"), std::string::npos);
-    for (std::size_t size = 4; size < glb.size(); ++size)
+    for (std::size_t size = 4; size < glb.size(); size += is_long() ? 1 : 7)
         EXPECT_NE(error_of(folder.write("cut.glb", glb.substr(0, size))), "") << size;
 }
 

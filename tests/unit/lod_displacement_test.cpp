@@ -6,6 +6,7 @@
 #include <random>
 
 #include "io/texture/texture_store.h"
+#include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/shape_builders.h"
@@ -29,7 +30,9 @@ TEST(Displacement, StaysWithinItsBoundAndItsBoxes)
         DisplacedCage displaced = displaced_case(c);
         // The displacement is now larger than the bound, and is cut off there.
         displaced.cage.displacement->scale *= 3;
-        for (const Mat4d& place : {Mat4d(1), turned_and_stretched()}) {
+        for (const bool is_turned : {false, true}) {
+            if (!is_long() && is_turned != (c % 2 == 0)) continue;
+            const Mat4d place = is_turned ? turned_and_stretched() : Mat4d(1);
             DicedCage smooth(displaced.cage, 0, place), moved(displaced.cage, 0, place, &displaced.textures);
             smooth.posed.level = moved.level_of_largest_exponent(5);
             const float reach = moved.posed.displacement.reach;

@@ -288,7 +288,7 @@ void expect_one_limit(Cage cage, const std::string& what)
 
 TEST(FanLimits, AreThoseOfSubdivisionForEachFace)
 {
-    for (std::uint64_t seed = 1; seed <= (is_long() ? 2000u : 150u) && !testing::Test::HasFailure(); ++seed) {
+    for (std::uint64_t seed = 1; seed <= (is_long() ? 2000u : 60u) && !testing::Test::HasFailure(); ++seed) {
         FanMaker maker(seed);
         const std::size_t across = maker.random().index(5), closed = maker.random().index(3);
         for (std::size_t k = 0; k < across; ++k) maker.add(1, 2, 1 + maker.random().index(3));

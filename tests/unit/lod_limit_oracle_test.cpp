@@ -172,7 +172,7 @@ TEST(LimitOracle, FindsEachSharpnessOfACube)
 {
     Cage cube = prism(4);
     const std::vector<Crease> edges = edges_of(cube);
-    for (float sharpness = 0; sharpness <= 10.5f; sharpness += is_long() ? 0.25f : 0.75f) {
+    for (float sharpness = 0; sharpness <= 10.5f; sharpness += is_long() ? 0.25f : 1.75f) {
         // All edges; a closed line of four; three that meet; one, which ends in two darts; none, but a corner.
         for (int kind = 0; kind < 5; ++kind) {
             Cage cage = cube;
@@ -190,7 +190,7 @@ TEST(LimitOracle, FindsEachSharpnessOfACube)
 
 TEST(LimitOracle, FindsCreasesAtEachValence)
 {
-    for (std::uint32_t valence = 3; valence <= 50; valence += is_long() || valence < 9 ? 1 : 5) {
+    for (std::uint32_t valence = 3; valence <= 50; valence += is_long() || valence < 6 ? 1 : 11) {
         Cage cage = spindle(valence);
         const float sharpness = 0.25f * static_cast<float>(1 + valence * 7 % 40);
         cage.creases = {{0, 2, sharpness}, {0, 2 + valence / 2, sharpness}, {1, 2, sharpness}, {3, 4, 10}};
@@ -209,13 +209,13 @@ Cage sharp_spindle(std::uint32_t valence)
 
 TEST(LimitOracle, FindsNormalsNearVerticesOfEachValence)
 {
-    for (std::uint32_t valence = 3; valence <= 50; valence += is_long() || valence < 9 ? 1 : 8)
+    for (std::uint32_t valence = 3; valence <= 50; valence += is_long() || valence < 6 ? 1 : 14)
         expect_oracle_near(sharp_spindle(valence), 0, "valence " + std::to_string(valence));
 }
 
 TEST(LimitOracle, FindsNormalsNearCreasesOfEachSharpness)
 {
-    for (float sharpness = 0.5f; sharpness < 10; sharpness += is_long() ? 0.25f : 0.75f) {
+    for (float sharpness = 0.5f; sharpness < 10; sharpness += is_long() ? 0.25f : 1.75f) {
         Cage cage = prism(5);
         cage.creases.clear();
         for (Crease edge : edges_of(cage)) {
@@ -336,9 +336,9 @@ TEST_P(LimitOfShapes, IsThatOfSubdivision)
     if (!SubdivisionMesh(cage).is_closed_manifold()) GTEST_SKIP() << "the oracle has no rules for borders";
     if (cage.face_count() > 3000 && !is_long())
         GTEST_SKIP() << "it has more faces than are tested by default; OCCAM_LONG tests it";
-    const bool is_large = cage.face_count() > (is_long() ? 2000u : 200u);
+    const bool is_large = cage.face_count() > (is_long() ? 2000u : 100u);
     expect_oracle(cage, "as it is", is_large ? 1 : 2);
-    for (std::uint64_t seed = 1; !is_large && seed <= (is_long() ? 20u : 2u); ++seed)
+    for (std::uint64_t seed = 1; !is_large && seed <= (is_long() ? 20u : 1u); ++seed)
         expect_oracle(creased(cage, seed), "creases of seed " + std::to_string(seed));
 }
 INSTANTIATE_TEST_SUITE_P(Closed, LimitOfShapes, testing::ValuesIn(closed_shapes()), shape_test_name);

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "lod/footprint.h"
+#include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/shapes.h"
@@ -19,7 +20,10 @@ class ClosedCages : public testing::TestWithParam<std::string> {};
 TEST_P(ClosedCages, AreClosedBitForBitAtEveryLevel)
 {
     DicedCage diced(load_cage(GetParam()), 0);
-    const int coarse = diced.level_of_largest_exponent(0), fine = diced.posed.topology->face_count() > 2000 ? 1 : 4;
+    const int coarse = diced.level_of_largest_exponent(0), faces = static_cast<int>(diced.posed.topology->face_count()),
+              fine = faces > 2000                ? 1
+                     : !is_long() && faces > 150 ? 2
+                                                 : 4;
     for (int exponent = 0; exponent <= fine; ++exponent) {
         diced.posed.level = coarse - exponent;
         diced.dicer.forget();
@@ -79,7 +83,7 @@ TEST(ClosedDisplacedCages, AreClosedBitForBitAtEveryLevel)
             if (is_posed) add_skin(displaced.cage), joints = bent_joints();
             DicedCage diced(displaced.cage, 0, Mat4d(1), &displaced.textures, joints);
             const int coarse = diced.level_of_largest_exponent(0);
-            for (int exponent = -2; exponent <= (is_posed ? 5 : 6); ++exponent) {
+            for (int exponent = -2; exponent <= (is_posed ? 5 : 6) - !is_long(); ++exponent) {
                 diced.posed.level = coarse - exponent;
                 diced.dicer.forget();
                 EXPECT_EQ(open_edges(diced.triangles()), 0u)

@@ -9,6 +9,7 @@
 
 #include "lod/patch_surface.h"
 #include "lod/posed_patch.h"
+#include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
@@ -216,7 +217,7 @@ void expect_limit(Cage cage, int levels = 4)
 {
     DicedCage diced(cage, 0);
     cage = diced.posed.slot->cage;
-    const Refinement refined(cage, cage.face_count() > 1000 ? 2 : levels);
+    const Refinement refined(cage, cage.face_count() > 1000 ? 1 + is_long() : std::min(levels, is_long() ? 4 : 3));
     const double extent = 2 * cage.bounds().radius();
 
     lod::PosedPatch patch;

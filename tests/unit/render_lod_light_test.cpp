@@ -4,6 +4,7 @@
 #include <occam/occam.h>
 
 #include "render/compare.h"
+#include "tests/support/campaign.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
@@ -50,9 +51,9 @@ TEST(LodLight, ConvergesToThePictureOfOneFineLevel)
         const Camera camera = Camera::look_at({2.5, 2.2, 4}, {0, 0.4, 0}, {0, 1, 0}, 0.7f);
         Renderer renderer({.threads = 2});
         const auto picture = [&](render::Lod lod, float rate) {
-            const Settings settings{.width = 64,
-                                    .height = 48,
-                                    .spp = 64,
+            const Settings settings{.width = is_long() ? 64 : 48,
+                                    .height = is_long() ? 48 : 36,
+                                    .spp = is_long() ? 64 : 32,
                                     .integrator = effect.integrator,
                                     .bounces = 3,
                                     .shading_rate = rate,

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
+#include "tests/support/campaign.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/statistics.h"
 
@@ -123,9 +124,11 @@ TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
         settings.integrator = integrator;
         return mean_of(scene, camera, settings).value();
     };
+    EveryNth some(3);
     for (const IntegratorKind integrator : {IntegratorKind::Direct, IntegratorKind::Path})
         for (const double height : {1.0, 9.0})
             for (const float roughness : {0.15f, 1.0f}) {
+                if (!some.takes()) continue;
                 const double area = light(0, roughness, height, integrator);
                 for (const std::uint32_t tiles : {1u, 6u}) {
                     const double mesh = light(tiles, roughness, height, integrator);
@@ -138,8 +141,10 @@ TEST(Path, AShiningMeshLightsAsAnAreaLightDoes)
 // Light passes a pane straight on and is refracted by a body. Both lose light only by Fresnel reflection.
 TEST(Path, GlassInAWhiteSkyIsWhite)
 {
+    EveryNth some(3);
     for (const float thickness : {0.0f, 1.0f})
         for (const float roughness : {0.0f, 0.1f}) {
+            if (!some.takes()) continue;
             Scene scene;
             Material glass;
             glass.roughness = roughness;

@@ -4,6 +4,7 @@
 #include <occam/occam.h>
 
 #include "lod/footprint.h"
+#include "tests/support/campaign.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
@@ -44,8 +45,10 @@ Darkness look_at(Scene& scene, const Settings& settings)
 // of sixteen that starts below the surface would cost a sixteenth.
 TEST(SelfShadow, AConvexBodySeesAllOfItsSkyAtAnyScale)
 {
-    for (const double scale : {1e-4, 1e-2, 1.0, 1e3, 1e6})
-        for (const double away : {0.0, 1e3}) {
+    EveryNth some(2);
+    for (const double away : {0.0, 1e3})
+        for (const double scale : {1e-4, 1e-2, 1.0, 1e3, 1e6}) {
+            if (!some.takes()) continue;
             Scene scene;
             place(scene, scene.add(rounded_cube()), Vec3d(away * scale, 0, -away * scale), scale);
             Settings settings{.width = 96, .height = 96, .spp = 16};
@@ -129,15 +132,21 @@ int lit_pixels(const std::vector<double>& shells, double scale, float rate, int 
 // Rays that start where wide beams have hit coarse levels stay inside.
 TEST(SelfShadow, AClosedRoomLetsNoLightInHoweverWideItsBeams)
 {
-    for (const float rate : {0.5f, 1.0f, 4.0f}) EXPECT_EQ(lit_pixels({1.0}, 1, rate, 6), 0) << rate;
+    EveryNth some(2);
+    for (const float rate : {0.5f, 1.0f, 4.0f}) {
+        if (!some.takes()) continue;
+        EXPECT_EQ(lit_pixels({1.0}, 1, rate, 6), 0) << rate;
+    }
 }
 
 // This holds while the target edge length where rays start is at most a quarter of the wall's thickness. Here it is that of
 // camera rays at the far wall, up to 1.1 away. The inner shell's limit surface is 0.55 to 0.8 from the middle.
 TEST(SelfShadow, AWallLeaksNoLightAtAQuarterOfItsThickness)
 {
-    for (const double scale : {1e-3, 1.0, 1e4})
-        for (const float rate : {1.0f, 4.0f}) {
+    EveryNth some(2);
+    for (const float rate : {1.0f, 4.0f})
+        for (const double scale : {1e-3, 1.0, 1e4}) {
+            if (!some.takes()) continue;
             const double edge = 1.1 * 2 * std::tan(0.7) / 57 * double(rate * lod::LevelSettings::kLongestEdge);
             EXPECT_EQ(lit_pixels({1.0, 1 + 4 * edge / 0.55}, scale, rate, 0), 0)
                 << "scale " << scale << ", shading rate " << rate;

@@ -149,7 +149,7 @@ TEST(Creases, ThatAreNoEdgesAreDropped)
 TEST(ManyCreases, AmongTrianglesDoNotOverflow)
 {
     for (const std::uint32_t valence : {9u, 20u, 31u, 40u, 57u, 60u, 64u, 80u}) {
-        if (valence > 40 && valence != 64 && !is_long()) continue;
+        if (!is_long() && valence != 9 && valence != 31 && valence != 64) continue;
         Cage cage = spindle(valence);
         std::size_t at = 0;
         for (const std::uint32_t size : cage.face_sizes) {

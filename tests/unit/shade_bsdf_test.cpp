@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "shade/albedo_table.h"
+#include "tests/support/campaign.h"
 #include "tests/support/furnace.h"
 #include "tests/support/statistics.h"
 
@@ -67,10 +68,12 @@ TEST(Bsdf, AWhiteBaseUnderALayerReflectsAllOfAUniformSky)
 
 TEST(Bsdf, AWhiteSurfaceUnderACoatReflectsAllOfAUniformSky)
 {
+    test::EveryNth some(7);
     for (const float alpha : kAlphas)
         for (const float coat_alpha : {kMinAlpha, 0.3f, 1.0f})
             for (const float cos_eye : kCosines)
                 for (const float metal : {0.0f, 1.0f}) {
+                    if (!some.takes()) continue;
                     Surface s = surface_of(alpha, Vec3f(1 - metal), Vec3f(metal > 0 ? 1.0f : 0.04f), cos_eye);
                     s.coat = 0.8f;
                     s.coat_alpha = coat_alpha;
@@ -93,9 +96,11 @@ TEST(Bsdf, GlassOfAnyRoughnessAndIndexLosesNothing)
 
 TEST(Bsdf, ARoughPaneLosesNothing)
 {
+    test::EveryNth some(7);
     for (const float alpha : kAlphas)
         for (const float cos_eye : kCosines)
             for (const float f0 : {0.0f, 0.04f, 0.3f}) {
+                if (!some.takes()) continue;
                 Surface s = pane_of(alpha, cos_eye);
                 s.f0 = Vec3f(f0);
                 s.dielectric_f0 = f0;
@@ -111,9 +116,11 @@ TEST(Bsdf, ARoughPaneLosesNothing)
 TEST(Bsdf, APaneThatIsMetalInPartGainsNothing)
 {
     const TextureStore textures(1 << 20);
+    test::EveryNth some(3);
     for (const float roughness : {0.0f, 0.5f})
         for (const float transmission : {0.3f, 1.0f})
             for (const float metallic : {0.0f, 0.25f, 0.5f, 1.0f}) {
+                if (!some.takes()) continue;
                 Material m;
                 m.metallic = metallic;
                 m.roughness = roughness;
@@ -134,10 +141,12 @@ TEST(Bsdf, AMappedNormalLeavesNoBlackRings)
     Material metal;
     metal.metallic = 1;
     const TextureStore textures(1 << 20);
+    test::EveryNth some(7);
     for (const float roughness : {0.0f, 0.2f, 0.4f, 0.6f})
         for (const float slope : {0.1f, 0.5f, 0.8f, 1.2f, 1.5f})
             for (const float cos_eye : {0.1f, 0.4f, 0.8f, 1.0f})
                 for (int turn = 0; turn < 4; ++turn) {
+                    if (!some.takes()) continue;
                     metal.roughness = roughness;
                     ShadePoint p;
                     p.material = &metal;

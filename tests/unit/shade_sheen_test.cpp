@@ -10,6 +10,7 @@
 
 #include "shade/bsdf.h"
 #include "shade/stroke_albedo.h"
+#include "tests/support/campaign.h"
 #include "tests/support/furnace.h"
 #include "tests/support/statistics.h"
 
@@ -51,8 +52,10 @@ Surface brushed(float along, float across, float cos_eye, float angle = 0.5f)
 
 TEST(Sheen, ReflectsAloneWhatItsTableSays)
 {
+    test::EveryNth some(3);
     for (const float roughness : kRoughnesses)
         for (const float cos_eye : kCosines) {
+            if (!some.takes()) continue;
             const Surface s = cloth(roughness, Vec3f(0), cos_eye);
             EXPECT_NEAR(furnace(s, 64'000, 0), double(sheen_for_eye(s, cos_eye).reflects), kWhite)
                 << roughness << ' ' << cos_eye;
@@ -87,11 +90,13 @@ std::vector<std::pair<std::string, Surface>> white_surfaces(float alpha)
 
 TEST(Sheen, OverAnyWhiteSurfaceLosesNothing)
 {
+    test::EveryNth some(7);
     for (const float alpha : {0.01f, 0.36f})
         for (const auto& [name, below] : white_surfaces(alpha))
             for (const float roughness : kRoughnesses)
                 for (const float cos_eye : kCosines)
                     for (const bool coated : {false, true}) {
+                        if (!some.takes()) continue;
                         Surface s = below;
                         s.sheen = Vec3f(coated ? 0.5f : 1.0f);
                         s.sheen_alpha = sheen_width(roughness);
@@ -166,11 +171,13 @@ TEST(Anisotropy, TheAlbedoIsItsIntegral)
 // white base, which gets what the layer does not reflect.
 TEST(Anisotropy, AWhiteSurfaceReflectsAllOfAUniformSky)
 {
+    test::EveryNth some(4);
     for (const float along : {0.02f, 0.1f, 0.4f, 1.0f})
         for (const float across : {0.0001f, 0.01f, 0.1f, 0.3f}) {
             if (across > along) continue;
             for (const float cos_eye : kCosines)
                 for (const float angle : {0.0f, 0.8f, 1.57f}) {
+                    if (!some.takes()) continue;
                     Surface s = brushed(along, across, cos_eye, angle);
                     EXPECT_NEAR(furnace(s), 1, kWhite)
                         << along << ' ' << across << ' ' << cos_eye << ' ' << angle << ", metal";

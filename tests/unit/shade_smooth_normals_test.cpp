@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "shade/surface.h"
+#include "tests/support/campaign.h"
 #include "tests/support/furnace.h"
 #include "tests/support/statistics.h"
 
@@ -59,21 +60,25 @@ void for_all(float thickness, Call&& call)
                     }
 }
 
-TEST(SmoothNormals, LetBodiesLoseNothing)
+void expect_white(float thickness)
 {
-    for_all(1, [](const Surface& s, const std::string& what) { EXPECT_NEAR(furnace(s), 1, kWhite) << what; });
+    test::EveryNth some(7);
+    for_all(thickness, [&](const Surface& s, const std::string& what) {
+        if (!some.takes()) return;
+        EXPECT_NEAR(furnace(s), 1, kWhite) << what;
+    });
 }
 
-TEST(SmoothNormals, LetPanesTransmitAllLight)
-{
-    for_all(0, [](const Surface& s, const std::string& what) { EXPECT_NEAR(furnace(s), 1, kWhite) << what; });
-}
+TEST(SmoothNormals, LetBodiesLoseNothing) { expect_white(1); }
+
+TEST(SmoothNormals, LetPanesTransmitAllLight) { expect_white(0); }
 
 TEST(SmoothNormals, SampledDirectionsFollowTheirDensity)
 {
+    test::EveryNth some(5);
     for (const float thickness : {0.0f, 1.0f})
-        for_all(thickness, [](const Surface& s, const std::string& what) {
-            if (s.alpha < 0.4f) return;  // the cells are wider than the lobe
+        for_all(thickness, [&](const Surface& s, const std::string& what) {
+            if (s.alpha < 0.4f || !some.takes()) return;  // the cells are wider than narrow lobes
             const double excess = test::direction_excess(
                 20'000, 8,
                 [&](Numbers& n) {
