@@ -40,7 +40,9 @@ std::size_t largest_cage(const Contents& contents, std::size_t keys)
     std::size_t posed = sizeof(lod::PosedCage) + contents.joints * sizeof(Mat4d);
     if (contents.deformed_vertices > 0)
         posed += sizeof(lod::DeformedCage) + contents.deformed_vertices / 4;  // one pointer for each block of 32 vertices
-    posed += contents.derived_points * sizeof(Vec3f);
+    // A tree that is dropped takes its derived points along. So that making them anew does not take most of the time, there
+    // is as much room beside them.
+    posed += 2 * contents.derived_points * sizeof(Vec3f);
     // A cluster has at least one face.
     if (keys > 1) posed += items * kBytesOfAKey + 2 * contents.written_faces * sizeof(Box3f);
     return items * (sizeof(PatchInfo) + kBytesOfAnItem) + keys * posed;

@@ -2,7 +2,8 @@
 //
 // Memory   chunks of 256 KiB, kept across a reset() so that the next frame needs no memory from the system. An allocation of
 //          more than a quarter of a chunk has a block of its own, which is not kept. So at most a quarter of what is held
-//          is not counted by bytes().
+//          is not counted by bytes(). Blocks of some megabytes come from the system and go back to it: the heap would grow
+//          by as much at each reset if anything small that stays took the place of such a block.
 // Threads  one owner at a time; other threads may call bytes() and read an ArenaVector's elements at the same time.
 #pragma once
 
@@ -55,14 +56,25 @@ public:
     }
 
 private:
+    static constexpr std::size_t kMappedBytes = std::size_t(4) << 20;  ///< blocks of at least this size are mapped
+
     struct Free {
-        void operator()(std::byte* p) const noexcept { ::operator delete(p, std::align_val_t(kAlign)); }
+        std::size_t mapped = 0;  ///< bytes; 0: the block is from the heap
+        void operator()(std::byte* p) const noexcept
+        {
+            if (mapped > 0) unmap(p, mapped);
+            else ::operator delete(p, std::align_val_t(kAlign));
+        }
     };
     using Block = std::unique_ptr<std::byte[], Free>;
     static Block block(std::size_t bytes)
     {
+        if (bytes >= kMappedBytes) return Block(map(bytes), Free{bytes});
         return Block(static_cast<std::byte*>(::operator new(bytes, std::align_val_t(kAlign))));
     }
+    /// Returns pages of the system's own; throws std::bad_alloc.
+    static std::byte* map(std::size_t bytes);
+    static void unmap(std::byte* pages, std::size_t bytes) noexcept;
 
     // Asks the system for all pages of a new chunk at once, because a page fault for each of them takes longer than filling
     // it. Nothing depends on whether the system does so.
