@@ -2,7 +2,7 @@
 //
 // Memory   chunks of 256 KiB, kept across a reset() so that the next frame needs no memory from the system. An allocation of
 //          more than a quarter of a chunk has a block of its own, which is not kept. So at most a quarter of what is held
-//          is not counted by bytes(). Blocks of some megabytes come from the system and go back to it: the heap would grow
+//          is not counted by bytes(). Chunks and larger blocks come from the system and go back to it: the heap would grow
 //          by as much at each reset if anything small that stays took the place of such a block.
 // Threads  one owner at a time; other threads may call bytes() and read an ArenaVector's elements at the same time.
 #pragma once
@@ -56,7 +56,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t kMappedBytes = std::size_t(4) << 20;  ///< blocks of at least this size are mapped
+    static constexpr std::size_t kMappedBytes = kChunkBytes;  ///< blocks of at least this size are mapped
 
     struct Free {
         std::size_t mapped = 0;  ///< bytes; 0: the block is from the heap
