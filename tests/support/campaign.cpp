@@ -18,7 +18,7 @@ std::uint64_t number_from(const char* variable, std::uint64_t otherwise)
 }
 
 std::uint64_t rays_of_a_campaign() { return number_from("OCCAM_CAMPAIGN_RAYS", 1'000'000); }
-std::uint64_t rays_per_cage() { return is_long() ? rays_of_a_campaign() : 40'000; }
-std::uint64_t blended_rays_per_place() { return is_long() ? rays_of_a_campaign() / 8 : 25'000; }
+std::uint64_t rays_per_cage() { return is_long() ? rays_of_a_campaign() : 16'000; }
+std::uint64_t blended_rays_per_place() { return is_long() ? rays_of_a_campaign() / 8 : 8'000; }
 
 }  // namespace occam::test

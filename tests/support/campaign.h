@@ -2,6 +2,7 @@
 // says (tests/README.md).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace occam::test {
@@ -22,8 +23,7 @@ std::uint64_t number_from(const char* variable, std::uint64_t otherwise);
 /// Returns the number of rays that a long campaign sends at each cage: OCCAM_CAMPAIGN_RAYS, or 10^6.
 std::uint64_t rays_of_a_campaign();
 
-/// Returns the number of rays for each cage: rays_of_a_campaign() in the long campaigns, else 4 * 10^4, since there are a
-/// hundred made and shared cages.
+/// Returns the number of rays for each cage: rays_of_a_campaign() in the long campaigns, else 1.6 * 10^4.
 std::uint64_t rays_per_cage();
 
 /// Chooses among the combinations of nested loops: all of them in the long campaigns, else every `nth` one, from the first
@@ -39,7 +39,20 @@ private:
 };
 
 /// Returns how many rays are sent at each of two places by tests in which each ray blends the surface for itself: an eighth
-/// of rays_of_a_campaign() in the long campaigns, else 2.5 * 10^4.
+/// of rays_of_a_campaign() in the long campaigns, else 8 * 10^3.
 std::uint64_t blended_rays_per_place();
+
+/// Chooses the combinations of settings that a test goes through: each in the long campaigns, else one in `one_in`. Where
+/// `one_in` and the numbers of values of the settings have no common factor, each value of a setting meets those of another
+/// one, though not in each cage.
+class Combinations {
+public:
+    explicit Combinations(std::size_t one_in) : one_in_(one_in) {}
+    /// Returns whether the next combination is one of those.
+    bool has_next() { return number_++ % one_in_ == 0 || is_long(); }
+
+private:
+    std::size_t one_in_, number_ = 0;
+};
 
 }  // namespace occam::test

@@ -30,6 +30,9 @@ public:
     Arena arena;
 
     const lod::Topology& topology() const { return *posed.topology; }
+    /// The scene shows the cage alone. A frame of it with these tables need not make them again.
+    const Scene& scene() const { return scene_; }
+    lod::TopologyCache& topologies() { return cache_; }
     /// Returns every visible patch, as tiles of at most 16 x 16 quads.
     std::vector<lod::TileRef> tiles();
     std::vector<MeshTriangle> triangles();

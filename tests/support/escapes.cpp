@@ -97,12 +97,8 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
         if (t.is_gap) gaps.push_back(&t);
 
     // The frame sees the cage at exactly that level, since the target edge length is constant.
-    Scene scene;
-    scene.add_node(scene.root(), {.matrix = world_from_object, .cages = {scene.add(cage)}});
-    scene.refit();
-    lod::TopologyCache topologies;
     const accel::Frame frame(
-        scene, topologies,
+        diced.scene(), diced.topologies(),
         {.eye = diced.posed.anchor, .pixel = {std::ldexp(1.0f, level), 0}, .mode = lod::LevelMode::PerInstance},
         {.textures = textures});
     accel::Tracer tracer(frame, std::size_t(1) << 30);

@@ -16,6 +16,7 @@ TEST_P(BuiltinPieces, LetNoRayOut)
     // The placement is far out and rotated. Floats of the world are 1/128 apart there, a two-hundredth of a chess piece.
     const Camera turned = Camera::look_at({98'000, 1'200, -71'000}, {98'001, 1'203, -71'002}, {0, 1, 0}, 1);
     for (const Mat4d& place : {Mat4d(1), turned.world_from_camera}) {
+        if (!is_long() && place == Mat4d(1)) continue;  // the other placement has the larger errors
         const EscapeCount count = count_escapes(GetParam(), place, 3, rays_per_cage(), 1);
         EXPECT_GT(count.starts, 0u) << "no point inside was found";
         EXPECT_EQ(count.escaped, 0u) << "of " << count.rays << '\n' << count.replay;

@@ -5,11 +5,16 @@
 #include "tests/support/creased_cages.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/escapes.h"
-#include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
 
 namespace occam::test {
 namespace {
+
+/// By default cages are tested far away, too, if their number of vertices is divisible by three.
+bool is_left_out(const Cage& cage, const Mat4d& place)
+{
+    return !is_long() && place != Mat4d(1) && cage.positions.size() % 3 != 0;
+}
 
 void expect_no_escape(const Cage& cage, int exponent, const TextureStore* textures = nullptr)
 {
@@ -17,6 +22,7 @@ void expect_no_escape(const Cage& cage, int exponent, const TextureStore* textur
     Mat4d far(1);
     far[3] = Vec4d(0.7e5 * size, 0.1e5 * size, -0.7e5 * size, 1);
     for (const Mat4d& place : {Mat4d(1), far}) {
+        if (is_left_out(cage, place)) continue;
         const EscapeCount count = count_escapes(cage, place, exponent, rays_per_cage(), 1, textures);
         if (count.starts == 0) GTEST_SKIP() << "no start point whose winding number is 1";
         EXPECT_EQ(count.escaped, 0u) << "of " << count.rays << '\n' << count.replay;
@@ -35,16 +41,17 @@ TEST_P(Escapes, NoRayLeavesAClosedCage)
     expect_no_escape(cage, exponent_for(cage));
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, Escapes, testing::ValuesIn(closed_shapes()), shape_test_name);
+INSTANTIATE_TEST_SUITE_P(Shapes, Escapes, testing::ValuesIn(chosen_closed_shapes()), shape_test_name);
 
 // Creases of each quarter up to the one that is never smoothed: on all edges, or on one in two or three of them, so that
-// lines of creases end in darts. The rays of a cage are divided among the steps. By default few steps are tested.
+// lines of creases end in darts. The rays of a cage are divided among the steps. By default two steps are tested, which are
+// others for each number of faces.
 class EscapesOfCreases : public testing::TestWithParam<std::string> {};
 TEST_P(EscapesOfCreases, NoRayLeavesAClosedCage)
 {
     const Cage cage = load_cage(GetParam());
     constexpr std::uint64_t kSteps = std::uint64_t(4 * kInfiniteSharpness);
-    const std::uint64_t stride = is_long() ? 1 : cage.face_count() > 60 ? kSteps : 10;
+    const std::uint64_t stride = is_long() ? 1 : kSteps / 2;
     for (std::uint64_t step = 1 + cage.face_count() % stride; step <= kSteps; step += stride) {
         const float sharpness = 0.25f * static_cast<float>(step);
         SCOPED_TRACE("sharpness " + std::to_string(sharpness));
@@ -61,19 +68,10 @@ class EscapesOfDisplacedCages : public testing::TestWithParam<int> {};
 TEST_P(EscapesOfDisplacedCages, NoRayLeavesAClosedCage)
 {
     const DisplacedCage displaced = displaced_case(GetParam());
-    expect_no_escape(displaced.cage, 5, &displaced.textures);
+    expect_no_escape(displaced.cage, is_long() ? 5 : 4, &displaced.textures);
 }
 INSTANTIATE_TEST_SUITE_P(Closed, EscapesOfDisplacedCages, testing::Range(0, kDisplacedCases),
                          [](const auto& test) { return displaced_case(test.param).name; });
-
-TEST(Spindle, OfValence360LetsNoRayOut) { expect_no_escape(spindle(360), 3); }
-TEST(Spindle, OfValence3LetsNoRayOut) { expect_no_escape(spindle(3), 5); }
-TEST(Spindle, OfValence9WithCreasesLetsNoRayOut)
-{
-    Cage cage = spindle(9);
-    cage.creases = {{0, 2, 10}, {2, 3, 2.5f}, {4, 1, 0.7f}, {3, 4, 10}};
-    expect_no_escape(cage, 5);
-}
 
 }  // namespace
 }  // namespace occam::test

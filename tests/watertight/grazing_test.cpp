@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "lod/topology_cache.h"
+#include "tests/support/campaign.h"
 #include "tests/support/refined_cages.h"
 #include "tests/support/shape_builders.h"
 #include "verify/grazing.h"
@@ -85,7 +86,7 @@ TEST_F(GrazingRay, IsNotExplainedIfItMeetsNothingAtAll)
 void expect_no_escape(const Cage& cage)
 {
     VerifySettings settings;
-    settings.rays = 100'000;
+    settings.rays = is_long() ? 100'000 : 20'000;
     settings.largest_rate = 8;
     const VerifiedCage found = verify(cage, Mat4d(1), settings);
     ASSERT_GT(found.rays, 0u) << found.not_testable;
@@ -94,6 +95,7 @@ void expect_no_escape(const Cage& cage)
     EXPECT_EQ(found.not_finite, 0u);
 }
 
+// By default one cage is not smoothed, and the two others are.
 TEST(LevelsOfDenseCages, LetNoRayOut)
 {
     for (const bool is_smooth : {false, true}) {
@@ -102,16 +104,17 @@ TEST(LevelsOfDenseCages, LetNoRayOut)
             cube = refined(cube, is_smooth);
             pyramid = refined(pyramid, is_smooth);
         }
-        expect_no_escape(cube);
-        expect_no_escape(pyramid);
-        expect_no_escape(with_triangles(cube, 1));
+        if (is_long() || !is_smooth) expect_no_escape(cube);
+        if (is_long() || is_smooth) expect_no_escape(pyramid);
+        if (is_long() || is_smooth) expect_no_escape(with_triangles(cube, 1));
     }
 }
 
 TEST(LevelsOfCreasedCubes, LetNoRayOut)
 {
+    Combinations tested(4);
     for (const float sharpness : {0.25f, 1.5f, 3.75f, 5.25f, 6.0f, 7.5f, 8.25f, 9.75f, 10.0f})
-        expect_no_escape(creased_cube(sharpness));
+        if (tested.has_next()) expect_no_escape(creased_cube(sharpness));
 }
 
 }  // namespace

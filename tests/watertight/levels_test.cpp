@@ -7,7 +7,6 @@
 #include "tests/support/creased_cages.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/made_cages.h"
-#include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
 #include "verify/verify.h"
 
@@ -15,7 +14,7 @@ namespace occam::test {
 namespace {
 
 /// Tests a cage at the origin, where segments overlap by 4 ulps only, so that no fault is hidden, and far away, where they
-/// overlap as in the engine.
+/// overlap as in the engine. By default cages are tested far away if their number of vertices is divisible by three.
 void expect_no_escape(const Cage& cage, const TextureStore* textures = nullptr)
 {
     const double size = 2 * cage.bounds().radius();
@@ -27,10 +26,11 @@ void expect_no_escape(const Cage& cage, const TextureStore* textures = nullptr)
     // The boxes of displaced surfaces include the bound of the displacement. Where edges are much finer than that, many
     // boxes overlap, and rays are slow.
     if (textures) {
-        settings.largest_rate = 8;
+        settings.largest_rate = is_long() ? 8 : 4;
         settings.rays /= 5;
     }
     for (const Mat4d& place : {Mat4d(1), far}) {
+        if (!is_long() && place != Mat4d(1) && cage.positions.size() % 3 != 0) continue;
         settings.overlap_ulps = place == Mat4d(1) ? 4.0f : 0.0f;
         const VerifiedCage found = verify(cage, place, settings, textures);
         // Rays start inside. Where nothing is certainly inside, as in a surface that crosses itself, none can be told to
@@ -46,7 +46,7 @@ void expect_no_escape(const Cage& cage, const TextureStore* textures = nullptr)
 
 class Levels : public testing::TestWithParam<std::string> {};
 TEST_P(Levels, LetNoRayOut) { expect_no_escape(load_cage(GetParam())); }
-INSTANTIATE_TEST_SUITE_P(Shapes, Levels, testing::ValuesIn(closed_shapes()), shape_test_name);
+INSTANTIATE_TEST_SUITE_P(Shapes, Levels, testing::ValuesIn(chosen_closed_shapes()), shape_test_name);
 
 // Creases as in EscapesOfCreases (escapes_test.cpp). The rays of a cage are divided among the steps.
 class LevelsOfCreases : public testing::TestWithParam<std::string> {};
@@ -54,7 +54,7 @@ TEST_P(LevelsOfCreases, LetNoRayOut)
 {
     const Cage cage = load_cage(GetParam());
     constexpr std::uint64_t kSteps = std::uint64_t(4 * kInfiniteSharpness);
-    const std::uint64_t stride = is_long() ? 1 : cage.face_count() > 60 ? kSteps : 10;
+    const std::uint64_t stride = is_long() ? 1 : kSteps / 2;
     VerifySettings settings;
     settings.rays = 2 * blended_rays_per_place() / kSteps;
     settings.largest_rate = cage.face_count() > 60 ? 8 : 32;
@@ -72,22 +72,24 @@ TEST_P(LevelsOfCreases, LetNoRayOut)
 }
 INSTANTIATE_TEST_SUITE_P(Made, LevelsOfCreases, testing::ValuesIn(closed_cages_without_creases()), shape_test_name);
 
+/// Returns all closed pieces in the long form, else every third one.
+std::vector<Cage> chosen_closed_pieces()
+{
+    std::vector<Cage> chosen;
+    Combinations tested(3);
+    for (Cage& piece : builtin::closed_pieces())
+        if (tested.has_next()) chosen.push_back(std::move(piece));
+    return chosen;
+}
+
 class LevelsOfPieces : public testing::TestWithParam<Cage> {};
 TEST_P(LevelsOfPieces, LetNoRayOut) { expect_no_escape(GetParam()); }
-INSTANTIATE_TEST_SUITE_P(Closed, LevelsOfPieces, testing::ValuesIn(builtin::closed_pieces()), [](const auto& test) {
+INSTANTIATE_TEST_SUITE_P(Closed, LevelsOfPieces, testing::ValuesIn(chosen_closed_pieces()), [](const auto& test) {
     std::string name = test.param.name;
     std::replace(name.begin(), name.end(), ' ', '_');
     return name;
 });
 
-TEST(LevelsOfSpindle, OfValence360LetNoRayOut) { expect_no_escape(spindle(360)); }
-TEST(LevelsOfSpindle, OfValence3LetNoRayOut) { expect_no_escape(spindle(3)); }
-TEST(LevelsOfSpindle, OfValence9WithCreasesLetNoRayOut)
-{
-    Cage cage = spindle(9);
-    cage.creases = {{0, 2, 10}, {2, 3, 2.5f}, {4, 1, 0.7f}, {3, 4, 10}};
-    expect_no_escape(cage);
-}
 class LevelsOfDisplacedCages : public testing::TestWithParam<int> {};
 TEST_P(LevelsOfDisplacedCages, LetNoRayOut)
 {
@@ -107,9 +109,6 @@ TEST(LevelsOfMirroredCage, LetNoRayOut)
     EXPECT_EQ(found.escaped, 0u);
     EXPECT_EQ(found.front_side, 0u) << "the inside is the back";
 }
-
-TEST(LevelsOfTorus, UnevenLetNoRayOut) { expect_no_escape(torus()); }
-TEST(LevelsOfPrism, WithPolygonsAndCreasesLetNoRayOut) { expect_no_escape(prism(7)); }
 
 }  // namespace
 }  // namespace occam::test

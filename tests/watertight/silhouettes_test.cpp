@@ -89,7 +89,8 @@ Cage pole(std::uint32_t valence, bool is_even)
 
 /// The limit surface around a pole has ridges that are the steeper the more faces there are (LargePoles.HaveRidges*), so
 /// rays meet their outlines. No front side is wider than rounding.
-void expect_no_front_side(const Cage& cage, const std::string& what, int largest_rate = 8)
+/// far_alone   tests the cage far away only, unless the long form is run; otherwise at the origin only
+void expect_no_front_side(const Cage& cage, const std::string& what, bool far_alone, int largest_rate = 8)
 {
     Mat4d far(1);
     far[3] = Vec4d(1e5, 2e4, -1e5, 1);
@@ -97,6 +98,7 @@ void expect_no_front_side(const Cage& cage, const std::string& what, int largest
     settings.rays = is_long() ? 100'000 : 4096;
     settings.largest_rate = largest_rate;
     for (const Mat4d& place : {Mat4d(1), far}) {
+        if (!is_long() && far_alone != (place == far)) continue;
         settings.overlap_ulps = place == Mat4d(1) ? 4.0f : 0.0f;
         const VerifiedCage found = verify(cage, place, settings);
         ASSERT_GT(found.rays, 0u) << what << ": " << found.not_testable;
@@ -111,24 +113,24 @@ void expect_no_front_side(const Cage& cage, const std::string& what, int largest
 TEST(LevelsOfPoles, ShowNoFrontSideThatIsWiderThanRounding)
 {
     for (const std::uint32_t valence : {50u, 500u})
-        expect_no_front_side(pole(valence, valence < 500), "pole of " + std::to_string(valence));
-    expect_no_front_side(prism(130), "faces of 130 corners, with creases");
+        expect_no_front_side(pole(valence, valence < 500), "pole of " + std::to_string(valence), valence < 500);
+    expect_no_front_side(prism(130), "faces of 130 corners, with creases", false);
 }
 
 TEST(LevelsOfPoles, WithCreasesShowNoFrontSideThatIsWiderThanRounding)
 {
     Cage cage = pole(100, true);
     cage.creases = {{0, 2, 10}, {0, 9, 2.5f}, {2, 3, 2.5f}, {4, 1, 0.7f}, {3, 4, 10}};
-    expect_no_front_side(cage, "creased pole of 100");
+    expect_no_front_side(cage, "creased pole of 100", true);
 }
 
 TEST(LevelsOfPoles, OfThousandsOfFacesShowNoFrontSideThatIsWiderThanRounding)
 {
     if (!is_long()) GTEST_SKIP() << "it takes a minute";
     for (const std::uint32_t valence : {1000u, 2000u, 4090u})
-        expect_no_front_side(pole(valence, true), "even pole of " + std::to_string(valence), 16);
-    expect_no_front_side(pole(1000, false), "pole of 1000");
-    expect_no_front_side(prism(500), "faces of 500 corners, with creases");
+        expect_no_front_side(pole(valence, true), "even pole of " + std::to_string(valence), false, 16);
+    expect_no_front_side(pole(1000, false), "pole of 1000", false);
+    expect_no_front_side(prism(500), "faces of 500 corners, with creases", false);
 }
 
 }  // namespace
