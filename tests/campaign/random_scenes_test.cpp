@@ -47,12 +47,12 @@ void run_campaign(std::uint64_t quick, const CaseCheck& check)
     if (is_long()) std::cout << "tested seeds 1 to " << seed - 1 << '\n';
 }
 
-TEST(RandomScenes, GiveOnePictureForAnyThreadsTreesAndMemory) { run_campaign(12, check_pictures); }
+TEST(RandomScenes, GiveOnePictureForAnyThreadsTreesAndMemory) { run_campaign(6, check_pictures); }
 
 /// Values of phase one are kept with igrids that several rays share, so they are where an order of rays would show first.
 TEST(RandomScenes, GiveOnePictureWhenShadedAtVertices)
 {
-    run_campaign(8, [](RandomCase c) {
+    run_campaign(4, [](RandomCase c) {
         for (const SettingFeature f : {SettingFeature::AtVertices, SettingFeature::Frozen, SettingFeature::Coarse})
             c.settings |= 1u << static_cast<unsigned>(f);
         for (RandomPart& part : c.parts) part.features |= 1u << static_cast<unsigned>(PartFeature::Textured);
@@ -64,7 +64,7 @@ TEST(RandomScenes, LetNoRayOutOfClosedCages)
 {
     const std::uint64_t rays = is_long() ? rays_of_a_campaign() / 10 : 4'000;
     Tested tested;
-    run_campaign(10, [&](const RandomCase& c) { return check_closedness(c, rays, &tested); });
+    run_campaign(6, [&](const RandomCase& c) { return check_closedness(c, rays, &tested); });
     if (is_long()) std::cout << tested.cages << " cages, " << tested.rays << " rays\n";
 }
 
