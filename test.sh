@@ -75,7 +75,7 @@ mkdir -p build
 hashes=OCCAM_HASHES=$PWD/build/hashes.txt
 rm -f build/hashes.txt
 run test all "$hashes" OCCAM_HASHES_MODE=write OCCAM_LONG=$long
-if [ $one_lane -eq 1 ]; then run one_lane hash "$hashes" OCCAM_HASHES_MODE=compare; fi
+if [ $one_lane -eq 1 ]; then run one_lane hash "$hashes" OCCAM_HASHES_MODE=compare OCCAM_LONG=$long; fi
 if [ $sanitize -eq 1 ]; then run asan 'unit|hostile'; fi
 if [ $long -eq 1 ]; then
     # Benchmarks are not tests, but they have to compile.
