@@ -108,8 +108,9 @@ TEST(RandomEdits, ShowWhatANewRendererShowsOfANewScene)
     using Clock = std::chrono::steady_clock;
     const auto end = Clock::now() + std::chrono::seconds(number_from("OCCAM_CAMPAIGN_SECONDS", 600)) / 3;
     std::uint64_t seed = 1;
-    for (; (is_long() ? Clock::now() < end : seed <= 3) && !HasFailure(); ++seed)
-        expect_frames_of_new_scenes(seed, is_long() ? 30 : 12);
+    constexpr std::uint64_t kLargest = 4;  // its frames take seconds each
+    for (; (is_long() ? Clock::now() < end : seed <= 6) && !HasFailure(); ++seed)
+        if (is_long() || seed != kLargest) expect_frames_of_new_scenes(seed, is_long() ? 30 : 12);
     if (is_long()) std::cout << "tested seeds 1 to " << seed - 1 << '\n';
 }
 
