@@ -26,6 +26,10 @@ std::uint64_t rays_of_a_campaign();
 /// Returns the number of rays for each cage: rays_of_a_campaign() in the long campaigns, else 1.6 * 10^4.
 std::uint64_t rays_per_cage();
 
+/// Returns how many rays are sent at each of two places by tests in which each ray blends the surface for itself: an eighth
+/// of rays_of_a_campaign() in the long campaigns, else 8 * 10^3.
+std::uint64_t blended_rays_per_place();
+
 /// Chooses among the combinations of nested loops: all of them in the long campaigns, else every `nth` one, from the first
 /// on. A number that shares no factor with the lengths of the loops takes each of their values.
 class EveryNth {
@@ -36,23 +40,6 @@ public:
 
 private:
     unsigned nth_, next_ = 0;
-};
-
-/// Returns how many rays are sent at each of two places by tests in which each ray blends the surface for itself: an eighth
-/// of rays_of_a_campaign() in the long campaigns, else 8 * 10^3.
-std::uint64_t blended_rays_per_place();
-
-/// Chooses the combinations of settings that a test goes through: each in the long campaigns, else one in `one_in`. Where
-/// `one_in` and the numbers of values of the settings have no common factor, each value of a setting meets those of another
-/// one, though not in each cage.
-class Combinations {
-public:
-    explicit Combinations(std::size_t one_in) : one_in_(one_in) {}
-    /// Returns whether the next combination is one of those.
-    bool has_next() { return number_++ % one_in_ == 0 || is_long(); }
-
-private:
-    std::size_t one_in_, number_ = 0;
 };
 
 }  // namespace occam::test

@@ -7,6 +7,8 @@
 
 #include <fstream>
 
+#include "tests/support/campaign.h"
+
 namespace occam {
 namespace {
 
@@ -40,9 +42,7 @@ TEST(Arena, HoldsLittleMoreThanItCountsAfterAReset)
 // Three of five parts of a chunk leave the rest of it unused.
 TEST(Arena, HoldsLittleMoreThanItCountsWhateverTheSizeOfAllocations)
 {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "sanitizers keep memory that was released to the heap";
-#endif
+    if (test::kIsSanitized) GTEST_SKIP() << "sanitizers keep memory that was released to the heap";
     constexpr std::size_t kRoom = 16 << 20;
     for (const std::size_t part : {std::size_t(5), std::size_t(20), std::size_t(60)}) {
         const std::size_t before = allocated_bytes();

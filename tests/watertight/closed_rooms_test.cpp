@@ -38,21 +38,21 @@ constexpr IntegratorKind kBoth[] = {IntegratorKind::Path, IntegratorKind::Ao};
 
 TEST(ClosedRooms, AreDarkAtEveryShadingRate)
 {
-    Combinations tested(3);
+    EveryNth tested(3);
     for (const Room& room : rooms())
         for (const float rate : {0.25f, 1.0f, 8.0f, 16.0f})
             for (const IntegratorKind kind : kBoth)
-                if (tested.has_next()) expect_dark(room, {.rate = rate, .integrator = kind});
+                if (tested.takes()) expect_dark(room, {.rate = rate, .integrator = kind});
 }
 
 TEST(ClosedRooms, AreDarkInEveryLevelMode)
 {
-    Combinations tested(3);
+    EveryNth tested(3);
     for (const Room& room : rooms())
         for (const render::Lod lod : {render::Lod::Off, render::Lod::Frozen})
             for (const float rate : {2.0f, 8.0f})
                 for (const IntegratorKind kind : kBoth)
-                    if (tested.has_next()) expect_dark(room, {.rate = rate, .lod = lod, .integrator = kind});
+                    if (tested.takes()) expect_dark(room, {.rate = rate, .lod = lod, .integrator = kind});
 }
 
 TEST(ClosedRooms, AreDarkDisplacedAndAtEveryScale)
@@ -65,11 +65,11 @@ TEST(ClosedRooms, AreDarkDisplacedAndAtEveryScale)
 
 TEST(ClosedRooms, AreDarkWhileTheyMove)
 {
-    Combinations tested(5);
+    EveryNth tested(5);
     for (const Room& room : rooms())
         for (const Moves how : {Moves::Slides, Moves::Turns, Moves::Grows, Moves::Bends})
             for (const Look& look : {Look{}, Look{.rate = 8}, Look{.displaced = true}}) {
-                if (!tested.has_next()) continue;
+                if (!tested.takes()) continue;
                 SCOPED_TRACE("motion " + std::to_string(int(how)));
                 Look moving = look;
                 moving.moves = how;
@@ -80,10 +80,10 @@ TEST(ClosedRooms, AreDarkWhileTheyMove)
 /// The node that the rooms are instances of is as large as ten thousand rooms, and millions of rooms away.
 TEST(ClosedRooms, AreDarkInAMuchLargerWorld)
 {
-    Combinations tested(4);
+    EveryNth tested(4);
     for (const Room& room : rooms())
         for (const render::Lod lod : {render::Lod::On, render::Lod::Off, render::Lod::Frozen})
-            if (tested.has_next()) expect_dark(room, {.rate = 0.5f, .lod = lod, .scale = 1e-4, .instanced = true});
+            if (tested.takes()) expect_dark(room, {.rate = 0.5f, .lod = lod, .scale = 1e-4, .instanced = true});
 }
 
 /// Returns the radius of a lens that has room within the walls wherever they are seen from: the tube of the torus is narrow.
@@ -93,12 +93,12 @@ float lens_of(const Room& room) { return room.name == "torus" ? 0.02f : 0.1f; }
 /// both, and has to be the same mesh there.
 TEST(ClosedRooms, AreDarkThroughALens)
 {
-    Combinations tested(7);
+    EveryNth tested(7);
     for (const Room& room : rooms())
         for (const float rate : {0.25f, 1.0f, 4.0f, 16.0f})
             for (const float focus : {0.25f, 0.5f, 0.8f, 1.1f})
                 for (const TreeKind tree : {TreeKind::Kd, TreeKind::Bvh}) {
-                    if (!tested.has_next()) continue;
+                    if (!tested.takes()) continue;
                     Look look{.rate = rate, .lens = lens_of(room), .focus = focus, .tree = tree};
                     look.spp = rate < 1 ? 4 : 16;
                     expect_dark(room, look);
@@ -107,19 +107,19 @@ TEST(ClosedRooms, AreDarkThroughALens)
 
 TEST(ClosedRooms, AreDarkThroughALensInEveryLevelMode)
 {
-    Combinations tested(3);
+    EveryNth tested(3);
     for (const Room& room : rooms())
         for (const render::Lod lod : {render::Lod::Off, render::Lod::Frozen})
             for (const float focus : {0.3f, 0.7f})
                 for (const IntegratorKind kind : kBoth) {
-                    if (!tested.has_next()) continue;
+                    if (!tested.takes()) continue;
                     expect_dark(room, {.rate = 4, .lod = lod, .integrator = kind, .lens = lens_of(room), .focus = focus});
                 }
 }
 
 TEST(ClosedRooms, AreDarkThroughALensHoweverTheyArePlacedAndMove)
 {
-    Combinations tested(5);
+    EveryNth tested(5);
     for (const Room& room : rooms())
         for (const float focus : {0.3f, 0.7f}) {
             const Look look{.rate = 4, .lens = lens_of(room), .focus = focus};
@@ -133,19 +133,19 @@ TEST(ClosedRooms, AreDarkThroughALensHoweverTheyArePlacedAndMove)
                 looks.back().moves = how;
             }
             for (const Look& each : looks)
-                if (tested.has_next()) expect_dark(room, each);
+                if (tested.takes()) expect_dark(room, each);
         }
 }
 
 /// A ray that passes a sheet goes on behind it, and sees the walls there as it saw them in front of the sheet.
 TEST(ClosedRooms, AreDarkBehindVeils)
 {
-    Combinations tested(5);
+    EveryNth tested(5);
     for (const Room& room : rooms())
         for (const float rate : {1.0f, 4.0f, 16.0f})
             for (const float lens : {0.0f, lens_of(room)})
                 for (const bool is_displaced : {false, true}) {
-                    if (!tested.has_next() || (is_displaced && room.name == "bipyramid")) continue;
+                    if (!tested.takes() || (is_displaced && room.name == "bipyramid")) continue;
                     expect_dark(room,
                                 {.rate = rate, .displaced = is_displaced, .lens = lens, .focus = 0.55f, .veiled = true});
                 }
@@ -210,25 +210,25 @@ Look random_look(std::mt19937_64& random)
 /// The patches of a flat face that is not convex overlap, and some reach beyond its border, at each level in another way.
 TEST(ClosedRooms, AreDarkOverFloorsThatAreNotConvex)
 {
-    Combinations tested(5);
+    EveryNth tested(5);
     for (const Room& room : rooms_with_concave_floors())
         for (const float rate : {1.0f, 4.0f, 16.0f})
             for (const render::Lod lod : {render::Lod::On, render::Lod::Frozen})
-                if (tested.has_next()) expect_dark(room, {.rate = rate, .lod = lod, .width = 120, .height = 90});
+                if (tested.takes()) expect_dark(room, {.rate = rate, .lod = lod, .width = 120, .height = 90});
 }
 
 /// A shadow ray starts beside the place where its parent saw the surface. It leads to the light all the same: one that kept
 /// the direction from that place would end beside the light, within the room.
 TEST(ClosedRooms, AreDarkThoughLightsAreJustOutside)
 {
-    Combinations tested(3);
+    EveryNth tested(3);
     for (const Room& room : rooms()) {
         if (room.name == "torus") continue;  // this is not convex
         const bool is_flat = room.name == "bilinear box" || room.name == "box with sharp edges";
         for (const Outside what : is_flat ? std::vector{Outside::Lamps, Outside::Panels} : std::vector{Outside::Lamps})
             for (const float rate : {1.0f, 8.0f})
                 for (const render::Lod lod : {render::Lod::On, render::Lod::Off}) {
-                    if (!tested.has_next()) continue;
+                    if (!tested.takes()) continue;
                     SCOPED_TRACE(what == Outside::Lamps ? "lamps" : "panels");
                     expect_dark(room, {.rate = rate, .lod = lod, .outside = what});
                 }
@@ -241,11 +241,11 @@ TEST(ClosedRooms, AreDarkThoughLightsAreJustOutside)
 TEST(ClosedRooms, ThatCrossEachOtherLetLittleLightIn)
 {
     int lit = 0, seen = 0;
-    Combinations tested(3);
+    EveryNth tested(3);
     for (const Room& room : rooms())
         for (const float rate : {1.0f, 4.0f})
             for (const IntegratorKind kind : kBoth) {
-                if (!tested.has_next()) continue;
+                if (!tested.takes()) continue;
                 Look look{.rate = rate, .integrator = kind, .crossed = true};
                 for (const render::Lod lod : {render::Lod::On, render::Lod::Frozen}) {
                     look.lod = lod;
