@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "base/hash.h"
 #include "render/shade_point.h"
@@ -21,6 +22,28 @@ float number_of(const accel::Ray& ray, float luck) noexcept
     return static_cast<float>(mix_bits(bits) >> 40) * 0x1p-24f;
 }
 
+// Returns SurfaceHit::to_start for a surface that rays leave on the eye's side only: self_distance along the normal from
+// there, they start on the ray that found the surface, a little before its end. In an acute corner the normal leads through
+// the other wall, while that ray has come from inside the room. A ray that itself began within that distance of the surface
+// did so in a corner without more room, and the next ray starts where it did. Where the surface moves from level to level,
+// the normal is followed: the ray has met another mesh than that of the start.
+Vec3f start_on_ray(const accel::Ray& ray, const accel::SurfaceHit& hit) noexcept
+{
+    constexpr float kFarthest = 64;  // in units of self_distance
+    const float cosine = -glm::dot(hit.start_normal, ray.direction), away = hit.self_distance;
+    // Where all levels have one plane, the mesh of the start is the one that the ray has met.
+    const auto is_along = [&](Vec3f normal) { return glm::dot(normal, hit.normal_geometric) >= 1 - 0x1p-14f; };
+    const bool is_same_mesh = hit.start_level == accel::kAnyLevel ||
+                              (is_along(hit.start_normal) && is_along(hit.normal_shading) &&
+                               std::abs(glm::dot(hit.to_start, hit.start_normal)) <= 0.25f * away);
+    if (!(cosine > 0) || !is_same_mesh) return hit.to_start;
+    if (ray.t_near <= 0 && ray.start_level == hit.start_level && hit.t * cosine < away)
+        return Vec3f(ray.origin - hit.position) - hit.start_normal * away;
+    const float height = std::min(away, std::max(0.25f * away, 0.5f * hit.t * cosine));
+    const float back = std::min({height / cosine, kFarthest * away, 0.5f * std::max(hit.t - ray.t_near, 0.0f)});
+    return hit.to_start - ray.direction * back + hit.start_normal * (height - back * cosine - away);
+}
+
 }  // namespace
 
 accel::Ray behind(accel::Ray ray, float t) noexcept
@@ -37,7 +60,7 @@ shade::ShadePoint shade_point(const accel::Ray& ray, const accel::SurfaceHit& hi
     p.normal_geometric = hit.normal_geometric;
     p.normal_shading = hit.normal_shading;
     p.back_side = hit.back_side;
-    p.to_start = hit.to_start;
+    p.to_start = hit.material->transmission > 0 ? hit.to_start : start_on_ray(ray, hit);
     p.start_normal = hit.start_normal;
     p.self_distance = hit.self_distance;
     p.tangent = hit.tangent;

@@ -214,6 +214,22 @@ std::vector<Room> rooms_with_concave_floors()
         {room("star", star, {0, 0.2, 0}, {0.5, 0.9, 0.5})}};
 }
 
+Room wedge(double degrees, Scheme scheme)
+{
+    const double half = degrees * 3.14159265 / 360;
+    Cage cage;
+    cage.scheme = scheme;
+    for (const double z : {-0.5, 0.5})
+        for (const double side : {0, -1, 1})
+            cage.positions.push_back(Vec3f(Vec3d(side == 0 ? 0 : std::cos(half), side * std::sin(half), z)));
+    cage.face_sizes = {3, 3, 4, 4, 4};
+    cage.face_vertices = {2, 1, 0, 3, 4, 5, 0, 1, 4, 3, 1, 2, 5, 4, 2, 0, 3, 5};
+    if (scheme == Scheme::CatmullClark)
+        for (std::uint32_t i = 0; i < 3; ++i)
+            cage.creases.insert(cage.creases.end(), {{i, (i + 1) % 3, 10}, {i + 3, (i + 1) % 3 + 3, 10}, {i, i + 3, 10}});
+    return {"wedge of " + std::to_string(degrees) + " degrees", cage, {0.7, 0, 0.1}, {0, 0, 0.03}};
+}
+
 /// Adds sheets in front of the camera that let all light pass.
 void add_veils(Scene& scene, const Camera& camera, double length)
 {
@@ -273,7 +289,7 @@ int lit_pixels(const Room& room, const Look& look)
     const NodeId node = scene.add_node(scene.root(), desc);
     if (look.outside == Outside::Sky) scene.environment.radiance = Vec3f(1000);
     Camera camera = Camera::look_at(transform_point(world_from_room, room.eye),
-                                    transform_point(world_from_room, room.target), {0, 1, 0}, 1.5f);
+                                    transform_point(world_from_room, room.target), {0, 1, 0}, look.field);
     if (look.outside != Outside::Sky)
         shine_from_outside(scene, camera, transform_point(world_from_room, room.eye), look.outside);
     const double length = std::cbrt(std::abs(glm::determinant(Mat3d(world_from_room))));

@@ -18,6 +18,8 @@ struct Room {
 std::vector<Room> rooms();
 /// Returns rooms with walls at right angles or like a star. Floor and ceiling are single faces that are not convex.
 std::vector<Room> rooms_with_concave_floors();
+/// Returns a room whose walls meet at an angle of so many degrees. The camera looks at the edge where they do.
+Room wedge(double degrees, Scheme scheme);
 /// Returns a sphere of quads with two poles. Its vertices are moved in and out, and some of its edges are creased.
 Cage lump(std::uint64_t seed);
 
@@ -45,6 +47,7 @@ struct Look {
     bool parallel = false;      ///< the camera is orthographic
     TreeKind tree = TreeKind::Auto;
     bool veiled = false;  ///< sheets that let all light pass hang in the room and beyond its walls
+    float field = 1.5f;   ///< vertical angle of the camera's view, radians
     int width = 24, height = 18, spp = 4;
 };
 

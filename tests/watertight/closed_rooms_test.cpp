@@ -217,6 +217,23 @@ TEST(ClosedRooms, AreDarkOverFloorsThatAreNotConvex)
                 if (tested.takes()) expect_dark(room, {.rate = rate, .lod = lod, .width = 120, .height = 90});
 }
 
+/// Close to an edge the walls of an acute corner are less apart than what secondary rays start off a wall by. These start
+/// on the ray that found the wall, which has come from inside; along the wall's normal they would start behind the other
+/// one.
+TEST(ClosedRooms, AreDarkInAcuteCorners)
+{
+    for (const double degrees : {1.0, 4.0, 10.0, 14.0})
+        for (const Scheme scheme : {Scheme::CatmullClark, Scheme::Bilinear})
+            for (const float field : {1e-3f, 1e-5f})
+                for (const IntegratorKind kind : kBoth) {
+                    Look look{.integrator = kind, .place = Trs()};
+                    look.place->rotation = glm::normalize(Vec4d(0.3, -0.2, 0.5, 0.7));
+                    look.field = field;
+                    SCOPED_TRACE(field);
+                    expect_dark(wedge(degrees, scheme), look);
+                }
+}
+
 /// A shadow ray starts beside the place where its parent saw the surface. It leads to the light all the same: one that kept
 /// the direction from that place would end beside the light, within the room.
 TEST(ClosedRooms, AreDarkThoughLightsAreJustOutside)
