@@ -248,6 +248,8 @@ void check_output(const fs::path& file)
 void check_replaceable(const fs::path& file)
 {
     std::error_code error;
+    // A file by that name would take the place of a link that all programs use, such as /dev/stdout.
+    if (descriptor_of(file)) refuse_output(shown_name(file), "is open already, and this output has to be a file of its own");
     if (fs::exists(file, error) && !fs::is_regular_file(file, error))
         refuse_output(file, "is there already and is not a file");
     if (const std::string why = why_not_replaceable(file); !why.empty()) refuse_output(file, why);

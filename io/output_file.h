@@ -66,7 +66,8 @@ bool is_standard_output(const std::filesystem::path& file);
 void write_whole(const std::filesystem::path& file, std::string_view bytes);
 
 /// Throws Error of Kind::Output if a file of that name cannot be written, because of its folder or of what exists there
-/// already.
+/// already. The names of open files (-, /dev/stdout) and links to them are refused, too, since a file would replace the
+/// link.
 void check_output(const std::filesystem::path& file);
 /// Do one half of that check each: that of the folder, and that of what exists there.
 void check_folder(const std::filesystem::path& file);

@@ -35,6 +35,13 @@ inline bool is_real(SampleType type) noexcept
     return type == SampleType::Half || type == SampleType::Float || type == SampleType::OtherReal;
 }
 
+/// Returns the bytes of a value of that type, or the most that it may have.
+inline std::size_t most_bytes(SampleType type) noexcept
+{
+    constexpr std::size_t kBytes[] = {1, 2, 2, 4, 8, 8};
+    return kBytes[static_cast<std::size_t>(type)];
+}
+
 /// Describes a picture in a file. The data window starts at (x, y); the full window is the whole frame.
 struct PictureSpec {
     int width = 0, height = 0, depth = 1;

@@ -187,6 +187,18 @@ TextureSource::TextureSource(TextureSource&&) noexcept = default;
 int TextureSource::width() const noexcept { return state_->width; }
 int TextureSource::height() const noexcept { return state_->height; }
 bool TextureSource::is_tiled_file() const noexcept { return state_->is_tiled_file; }
+std::uintmax_t TextureSource::bytes_to_decode() const noexcept
+{
+    if (!state_->input) return 0;
+    const PictureSpec& spec = state_->input->spec();
+    std::uintmax_t bytes = 0;
+    for (std::size_t i = 0; i < spec.channels.size(); ++i) bytes += most_bytes(spec.channel_type(i));
+    constexpr std::uintmax_t kLeastBytes = 4;
+    const auto area = [](int wide, int high) {
+        return static_cast<std::uintmax_t>(wide) * static_cast<std::uintmax_t>(high);
+    };
+    return std::max(bytes, kLeastBytes) * std::max(area(width(), height()), area(spec.width, spec.height));
+}
 bool TextureSource::has_alpha() const noexcept { return !state_->input || state_->places.alpha >= 0; }
 bool TextureSource::has_texels_of_another_role() const noexcept { return state_->has_other_role; }
 

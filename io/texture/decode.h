@@ -25,6 +25,9 @@ public:
     int height() const noexcept;
     /// Returns whether single tiles of it can be read, with all its levels (TiledFile).
     bool is_tiled_file() const noexcept;
+    /// Returns the bytes that decoding all texels produces before they are filtered, at least four for each texel; 0 for
+    /// texels that are in memory. Time to decode follows them.
+    std::uintmax_t bytes_to_decode() const noexcept;
     /// Returns whether its texels have an alpha of their own.
     bool has_alpha() const noexcept;
     /// Returns whether `occam texture` made the file of an image of colours and the texture is none, or the reverse.

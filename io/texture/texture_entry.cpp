@@ -31,6 +31,7 @@ TextureEntry::TextureEntry(const Texture& texture, std::atomic<bool>& has_failed
                                                         : ": it was not made for colours (occam texture --data)"));
         if (texture.encoded) file_bytes_ = texture.encoded->size();
         else if (texture.pixels.empty()) file_bytes_ = std::filesystem::file_size(texture.path, ignored);
+        bytes_to_decode_ = is_tiled_file_ ? std::uintmax_t(width_) * std::uintmax_t(height_) : source.bytes_to_decode();
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {

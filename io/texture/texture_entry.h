@@ -40,9 +40,9 @@ public:
     std::size_t bytes_of(int halvings) const;
     bool is_readable() const { return width_ > 0; }
     std::uint64_t identity() const { return description_.identity; }
-    /// Returns the texels that decoding will visit, and the bytes of the file from which they come; both are 0 for texels
-    /// that are in memory.
-    std::uintmax_t encoded_texels() const { return file_bytes_ == 0 ? 0 : std::uintmax_t(width_) * std::uintmax_t(height_); }
+    /// Returns the bytes that decoding will make, one for each texel of a tiled file, of which few may be looked up, and the
+    /// bytes of the file from which they come; both are 0 for texels that are in memory.
+    std::uintmax_t bytes_to_decode() const { return bytes_to_decode_; }
     std::uintmax_t file_bytes() const { return file_bytes_; }
     bool is_tiled_file() const { return is_tiled_file_; }
     bool has_alpha() const { return has_alpha_; }
@@ -108,7 +108,7 @@ private:
     TextureKeeping keeping_;
     std::unique_ptr<TiledFile> tiles_;
     std::atomic<bool> is_broken_ = false;  ///< a tile could not be read
-    std::uintmax_t file_bytes_ = 0;
+    std::uintmax_t bytes_to_decode_ = 0, file_bytes_ = 0;
     mutable std::mutex decoding_;  // guards the members below
     std::unique_ptr<const MipImage> decoded_;
     std::vector<std::string> warnings_, errors_;

@@ -144,19 +144,19 @@ bool has_one_texel_in(const Image& image)
 }
 
 // Refuses images that would take minutes to decode though their files are small: each of them may be within its limits.
-void check_texels(const std::vector<TextureEntry*>& entries)
+void check_decoding(const std::vector<TextureEntry*>& entries)
 {
-    constexpr std::uintmax_t kAlwaysAllowed = std::uintmax_t(1) << 32, kMostPerByte = 512;
-    std::uintmax_t texels = 0, bytes = 0;
+    constexpr std::uintmax_t kAlwaysAllowed = std::uintmax_t(1) << 32, kMostPerByte = 256;
+    std::uintmax_t decoded = 0, bytes = 0;
     for (const TextureEntry* entry : entries) {
-        texels += entry->encoded_texels();
+        decoded += entry->bytes_to_decode();
         bytes += entry->file_bytes();
     }
-    if (texels <= kAlwaysAllowed || texels / kMostPerByte <= bytes) return;
-    throw error_without_file("the images hold " + std::to_string(texels >> 20) +
-                             " million texels, though their files have only " + std::to_string((bytes >> 10) + 1) +
-                             " KB: beyond " + std::to_string(kAlwaysAllowed >> 20) + " million, at most " +
-                             std::to_string(kMostPerByte) + " for each byte are decoded");
+    if (decoded <= kAlwaysAllowed || decoded / kMostPerByte <= bytes) return;
+    throw error_without_file("the images hold " + std::to_string(decoded >> 20) +
+                             " MB of texels, though their files have only " + std::to_string((bytes >> 10) + 1) +
+                             " KB: beyond " + std::to_string(kAlwaysAllowed >> 20) + " MB, at most " +
+                             std::to_string(kMostPerByte) + " bytes for each byte are decoded");
 }
 
 }  // namespace
@@ -205,7 +205,7 @@ void TextureStore::prepare(const Scene& scene)
     }
     // The textures may be those of the frame before, and used in the same way.
     if (fresh.empty() && is_weighting_known && ids.size() == state_->entries.size()) return;
-    check_texels(fresh);
+    check_decoding(fresh);
     const Plan plan = plan_for(all, are_weighted, state_->cap_bytes);
     std::map<std::uint64_t, std::shared_ptr<TextureEntry>> entries;
     std::vector<State::Slot> slots;

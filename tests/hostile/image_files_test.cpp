@@ -281,5 +281,53 @@ TEST_F(ImageFiles, PngsDeclareTheirSizeBeforeTheyAreOpened)
     expect_refusal("wide.png", file, "image is larger than is read: 2147483647 x 1");
 }
 
+// Returns a TIFF of four doubles a texel whose strips, of one row each, are all the same few bytes of the file. They are not
+// compressed, since no test decodes them.
+std::string tiff_of_doubles(std::uint32_t width, std::uint32_t height)
+{
+    const std::string strip(64, '\0');
+    const std::uint32_t ints = 8 + 64, ifd = ints + 8 * height + 24;
+    std::string file = "II" + little_endian(42, 2) + little_endian(ifd, 4) + strip;
+    for (std::uint32_t row = 0; row < height; ++row) file += little_endian(8, 4);
+    for (std::uint32_t row = 0; row < height; ++row) file += little_endian(64, 4);
+    for (const std::uint32_t value : {64u, 3u})
+        for (int channel = 0; channel < 4; ++channel) file += little_endian(value, 2);
+    file += std::string(ifd - file.size(), '\0');
+    const std::uint32_t words = ints + 8 * height;
+    const std::uint32_t entries[][4] = {{256, 4, 1, width}, {257, 4, 1, height}, {258, 3, 4, words},
+                                        {259, 3, 1, 8},     {262, 3, 1, 2},      {273, 4, height, ints},
+                                        {277, 3, 1, 4},     {278, 4, 1, 1},      {279, 4, height, ints + 4 * height},
+                                        {284, 3, 1, 1},     {338, 3, 1, 2},      {339, 3, 4, words + 8}};
+    file += little_endian(static_cast<std::uint32_t>(std::size(entries)), 2);
+    for (const auto& [tag, type, count, value] : entries)
+        file += little_endian(tag, 2) + little_endian(type, 2) + little_endian(count, 4) + little_endian(value, 4);
+    return file + little_endian(0, 4);
+}
+
+// Each of these files is within the limits of one image; together they would take minutes.
+TEST(ImagesOfAScene, AreRefusedIfTheirFilesHoldFarLessThanIsDecoded)
+{
+    const TempFolder folder;
+    const std::string file = tiff_of_doubles(4096, 4096);
+    const auto prepare = [&](int count) {
+        Scene scene;
+        for (int i = 0; i < count; ++i) {
+            Texture texture;
+            texture.path = folder.write(std::to_string(i) + ".tif", file);
+            scene.add(std::move(texture));
+        }
+        TextureStore store(std::size_t(16) << 20);
+        store.prepare(scene);
+        EXPECT_EQ(store.errors(), std::vector<std::string>{});
+    };
+    prepare(8);  // 4 GB
+    try {
+        prepare(9);
+        ADD_FAILURE() << "not refused";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("the images hold 4608 MB of texels"), std::string::npos) << error.what();
+    }
+}
+
 }  // namespace
 }  // namespace occam::test

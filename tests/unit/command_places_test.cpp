@@ -132,5 +132,25 @@ TEST_F(OutputPlaces, ThatAreLinksAreReplacedThemselves)
     EXPECT_FALSE(fs::is_symlink(folder / "link.png"));
 }
 
+// The file would replace the link, and /dev/stdout is one: what the shell has opened behind it may well be a regular file.
+TEST_F(OutputPlaces, ThatLeadToOpenFilesAreRefused)
+{
+    const std::string why = "is open already, and this output has to be a file of its own";
+    for (const char* name : {"link.png", "link.0.png"}) fs::create_symlink("/dev/stdout", folder / name);
+    const std::vector<std::string> calls[] = {
+        {"render", "triangle.obj", "-o", "link.png", "--size", "4x4", "--spp", "1"},
+        {"compare", "one.png", "one.png", "--heat", "link.png"},
+        {"texture", "one.png", "link.png"},
+        {"animate", "triangle.obj", "-o", "link.#.png", "--frames", "0", "--size", "4x4", "--spp", "1", "--overwrite"}};
+    for (const std::vector<std::string>& words : calls) {
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kOutput) << words[0];
+        EXPECT_NE(o.err.find(why), std::string::npos) << words[0] << ": " << o.err;
+        for (const char* name : {"link.png", "link.0.png"}) EXPECT_TRUE(fs::is_symlink(folder / name)) << words[0];
+    }
+    EXPECT_EQ(run({"texture", "one.png", "-"}).err, "occam: standard output: " + why + "\n");
+    EXPECT_FALSE(fs::exists(folder / "-"));
+}
+
 }  // namespace
 }  // namespace occam
