@@ -36,8 +36,8 @@ run() {
         exit 1
     }
     built=$SECONDS
-    # Some tests wait more than they compute, so there is one more than there are processors.
-    env "$@" ctest --test-dir "$build" -R "$pattern" -j "$(($(nproc) + 1))" --no-tests=error --timeout 7200 > "$build.ctest.log" 2>&1 ||
+    # Some tests wait more than they compute, so there are two more than there are processors.
+    env "$@" ctest --test-dir "$build" -R "$pattern" -j "$(($(nproc) + 2))" --no-tests=error --timeout 7200 > "$build.ctest.log" 2>&1 ||
         status=1
     cp "$build/Testing/Temporary/LastTest.log" "$log"
 

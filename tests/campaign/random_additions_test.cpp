@@ -91,10 +91,11 @@ TEST(RandomAdditions, ShowWhatTheSceneShowedBefore)
         expect_same_when_added(std::strtoull(seed, nullptr, 10), 40);
         return;
     }
+    constexpr std::uint64_t kLargest = 4;  // its scene takes as long as those of all others
     std::size_t copies = 0;
     for (std::uint64_t seed = 1; seed <= (is_long() ? 60u : 8u) && !HasFailure(); ++seed)
-        copies += expect_same_when_added(seed, 40);
-    EXPECT_GT(copies, 3u) << "too few copies to test anything";
+        if (is_long() || seed != kLargest) copies += expect_same_when_added(seed, 40);
+    EXPECT_GT(copies, 2u) << "too few copies to test anything";
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ TEST(RandomEdits, ShowWhatANewRendererShowsOfANewScene)
     std::uint64_t seed = 1;
     constexpr std::uint64_t kLargest = 4;  // its frames take seconds each
     for (; (is_long() ? Clock::now() < end : seed <= 6) && !HasFailure(); ++seed)
-        if (is_long() || seed != kLargest) expect_frames_of_new_scenes(seed, is_long() ? 30 : 12);
+        if (is_long() || seed != kLargest) expect_frames_of_new_scenes(seed, is_long() ? 30 : 10);
     if (is_long()) std::cout << "tested seeds 1 to " << seed - 1 << '\n';
 }
 

@@ -47,7 +47,7 @@ void run_campaign(std::uint64_t quick, const CaseCheck& check)
     if (is_long()) std::cout << "tested seeds 1 to " << seed - 1 << '\n';
 }
 
-TEST(RandomScenes, GiveOnePictureForAnyThreadsTreesAndMemory) { run_campaign(6, check_pictures); }
+TEST(RandomScenes, GiveOnePictureForAnyThreadsTreesAndMemory) { run_campaign(4, check_pictures); }
 
 /// Values of phase one are kept with igrids that several rays share, so they are where an order of rays would show first.
 TEST(RandomScenes, GiveOnePictureWhenShadedAtVertices)

@@ -230,7 +230,7 @@ TEST(FailingEdits, AreDoneAsAWholeOrNotAtAll)
         begin();
         int count = 0;
         fail_everywhere(
-            {.dense = 3, .growth = 3}, [&] { kSteps[step].edit(*world); },
+            {.dense = 3, .growth = 5}, [&] { kSteps[step].edit(*world); },
             [&](bool has_thrown) {
                 // Half of the scenes have to go on as they are, and the others tell what they have become.
                 if (++count % 2 == 0 && kSteps[step].is_whole) Outcome(world->scene).expect(has_thrown ? before : after);

@@ -305,9 +305,7 @@ long resident_kilobytes()
 // A game makes hundreds of thousands of frames in one process. Each of them had left 7 to 8 KB behind, 4 MB in this test.
 TEST(RenderMemory, FramesLeaveNothingBehind)
 {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    GTEST_SKIP() << "a sanitizer keeps what is freed";
-#endif
+    if (test::kIsSanitized) GTEST_SKIP() << "a sanitizer keeps what is freed";
     Scene scene;
     place(scene, scene.add(prism(4)), {0, 0, 0}, 1);
     const Camera camera = Camera::look_at({0, 2, 6}, {0, 0, 0}, {0, 1, 0}, 0.9f);
@@ -315,11 +313,11 @@ TEST(RenderMemory, FramesLeaveNothingBehind)
     const auto make = [&](int frames) {
         for (int i = 0; i < frames; ++i) renderer.render(scene, camera, {.width = 16, .height = 12, .spp = 1});
     };
-    make(100);
+    make(50);
     const long before = resident_kilobytes();
     if (before == 0) GTEST_SKIP() << "there is no /proc here";
-    make(500);
-    EXPECT_LT(resident_kilobytes() - before, 1500);
+    make(250);
+    EXPECT_LT(resident_kilobytes() - before, 1000);
 }
 
 }  // namespace
