@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scenegraph/large_parts.h"
+
 namespace occam::lod {
 
 using namespace OpenSubdiv;
