@@ -3,16 +3,12 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <memory>
-#include <mutex>
 #include <optional>
-#include <utility>
-#include <vector>
 
 #include "base/cancellation.h"
+#include "render/lent_arena.h"
 
 namespace occam::render {
 namespace {
@@ -20,62 +16,6 @@ namespace {
 // TBB counts the processors when their number is first needed. If an allocation fails in that, every later call waits for
 // ever for the count to end. So they are counted while this library is loaded.
 const int kProcessors = tbb::info::default_concurrency();
-
-// Lends an arena for a number of threads. TBB (2021.8) keeps some 7 KB of every arena in which its threads have worked, even
-// after the arena is destroyed; so none is destroyed, and frames that follow each other have the same one. There are as many
-// as frames were ever made at once, for each number of threads.
-class LentArena {
-public:
-    explicit LentArena(int threads)
-    {
-        const std::lock_guard lock(idle().mutex);
-        auto& arenas = idle().arenas;
-        for (auto& arena : arenas) {
-            if (arena->threads != threads) continue;
-            std::swap(arena, arenas.back());
-            arena_ = std::move(arenas.back());
-            arenas.pop_back();
-            ++idle().lent;
-            return;
-        }
-        arenas.reserve(arenas.size() + idle().lent + 1);  // giving it back must not fail
-        arena_ = std::make_unique<Arena>(threads);
-        ++idle().lent;
-    }
-    ~LentArena()
-    {
-        const std::lock_guard lock(idle().mutex);
-        --idle().lent;
-        idle().arenas.push_back(std::move(arena_));
-    }
-    LentArena(const LentArena&) = delete;
-    LentArena& operator=(const LentArena&) = delete;
-
-    template <class F>
-    void execute(const F& work) const
-    {
-        arena_->arena.execute(work);
-    }
-
-private:
-    struct Arena {
-        explicit Arena(int threads_) : threads(threads_), arena(threads_) {}
-        int threads;
-        tbb::task_arena arena;
-    };
-    struct Idle {
-        std::mutex mutex;
-        std::vector<std::unique_ptr<Arena>> arenas;
-        std::size_t lent = 0;  // of which the idle arenas have room
-    };
-    static Idle& idle()
-    {
-        static Idle* const all = new Idle;  // never destroyed: threads may still render when the process ends
-        return *all;
-    }
-
-    std::unique_ptr<Arena> arena_;
-};
 
 }  // namespace
 

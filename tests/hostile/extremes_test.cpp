@@ -166,8 +166,6 @@ TEST(Extremes, InstancesBeyondCountingInOnePlaceAreRefusedByName)
 // A far cube makes the box of each level so large that few rays meet what lies in one place.
 TEST(Extremes, InstancesBeyondCountingInOnePlaceBesideFarOnesAreRefused)
 {
-    if (!is_long())
-        GTEST_SKIP() << "four million parts take ten seconds; planks as long as they are thin are refused for as many";
     Scene scene;
     const CageId cube = scene.add(creased_cube(1));
     NodeId shown = scene.add_node(scene.root(), {.cages = {cube}, .visible = false});
