@@ -11,11 +11,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "accel/packet.h"
 #include "accel/ray_lanes.h"
 #include "accel/time_order.h"
+#include "base/kept_blocks.h"
 
 namespace occam::accel {
 
@@ -70,8 +70,8 @@ public:
         }
     }
 
-    std::vector<Ray> sorted;
-    std::vector<std::uint32_t> place_of;  ///< index of each sorted ray in the caller's batch
+    KeptVector<Ray> sorted;
+    KeptVector<std::uint32_t> place_of;  ///< index of each sorted ray in the caller's batch
 
 private:
     static constexpr std::size_t kBinsOfAGroup = 4, kBins = RayAxes::kGroups * kBinsOfAGroup,
@@ -116,7 +116,7 @@ private:
                if_so(select(is_x, z, select(is_y, x, y)) > half, 1);
     }
 
-    std::vector<std::uint16_t> bins_;                    ///< in the caller's order
+    KeptVector<std::uint16_t> bins_;                     ///< in the caller's order
     std::size_t groups_ = 0;                             ///< groups of axes, times bins of time
     std::size_t ends_[kMostTimes * RayAxes::kGroups]{};  ///< end of each group in `sorted`
 };

@@ -5,15 +5,6 @@
 
 namespace occam {
 
-std::byte* Arena::map(std::size_t bytes)
-{
-    void* const pages = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (pages == MAP_FAILED) throw std::bad_alloc();
-    return static_cast<std::byte*>(pages);
-}
-
-void Arena::unmap(std::byte* pages, std::size_t bytes) noexcept { munmap(pages, bytes); }
-
 void Arena::populate([[maybe_unused]] std::byte* from, [[maybe_unused]] std::size_t bytes) noexcept
 {
 #ifdef MADV_POPULATE_WRITE  // since Linux 5.14

@@ -2,8 +2,7 @@
 //
 // Memory   chunks of 256 KiB, kept across a reset() so that the next frame needs no memory from the system. An allocation of
 //          more than a quarter of a chunk has a block of its own, which is not kept. So at most a quarter of what is held
-//          is not counted by bytes(). Chunks and larger blocks come from the system and go back to it: the heap would grow
-//          by as much at each reset if anything small that stays took the place of such a block.
+//          is not counted by bytes(). Chunks and larger blocks are kept for other arenas (base/kept_blocks.h).
 // Threads  one owner at a time; other threads may call bytes() and read an ArenaVector's elements at the same time.
 #pragma once
 
@@ -16,6 +15,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "base/kept_blocks.h"
 #include "base/publish.h"
 
 namespace occam {
@@ -56,25 +56,22 @@ public:
     }
 
 private:
-    static constexpr std::size_t kMappedBytes = kChunkBytes;  ///< blocks of at least this size are mapped
-
     struct Free {
-        std::size_t mapped = 0;  ///< bytes; 0: the block is from the heap
+        std::size_t kept = 0;  ///< bytes; 0: the block is from the heap
         void operator()(std::byte* p) const noexcept
         {
-            if (mapped > 0) unmap(p, mapped);
+            if (kept > 0) kept_blocks::give(p, kept);
             else ::operator delete(p, std::align_val_t(kAlign));
         }
     };
     using Block = std::unique_ptr<std::byte[], Free>;
     static Block block(std::size_t bytes)
     {
-        if (bytes >= kMappedBytes) return Block(map(bytes), Free{bytes});
-        return Block(static_cast<std::byte*>(::operator new(bytes, std::align_val_t(kAlign))));
+        if (bytes < kChunkBytes) return Block(static_cast<std::byte*>(::operator new(bytes, std::align_val_t(kAlign))));
+        const kept_blocks::Block taken = kept_blocks::take(bytes);
+        if (taken.is_fresh && bytes == kChunkBytes) populate(taken.data, bytes);
+        return Block(taken.data, Free{bytes});
     }
-    /// Returns pages of the system's own; throws std::bad_alloc.
-    static std::byte* map(std::size_t bytes);
-    static void unmap(std::byte* pages, std::size_t bytes) noexcept;
 
     // Asks the system for all pages of a new chunk at once, because a page fault for each of them takes longer than filling
     // it. Nothing depends on whether the system does so.
@@ -98,7 +95,6 @@ private:
         }
         if (current_ == chunks_.size()) {
             chunks_.push_back(block(kChunkBytes));
-            populate(chunks_.back().get(), kChunkBytes);
         }
         std::byte* p = chunks_[current_].get() + used_;
         used_ += bytes;

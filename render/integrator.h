@@ -21,9 +21,9 @@
 #include <cstddef>
 #include <new>
 #include <span>
-#include <vector>
 
 #include "accel/tracer.h"
+#include "base/kept_blocks.h"
 #include "base/stopwatch.h"
 #include "render/body_absorption.h"
 #include "render/camera_rays.h"
@@ -355,16 +355,16 @@ private:
     IntegratorCounters counters_;
 
     // These are parallel arrays, kept from batch to batch for their memory.
-    std::vector<Path> paths_, next_paths_;
-    std::vector<accel::Ray> rays_, next_rays_;
-    std::vector<accel::SurfaceHit> hits_;      ///< hits_of_each_ of each path of the chunk that is being shaded
-    std::vector<accel::HitCount> hit_counts_;  ///< one for each path of the chunk
-    std::vector<accel::RayCost> costs_;        ///< the same, if the view shows them
+    KeptVector<Path> paths_, next_paths_;
+    KeptVector<accel::Ray> rays_, next_rays_;
+    KeptVector<accel::SurfaceHit> hits_;      ///< hits_of_each_ of each path of the chunk that is being shaded
+    KeptVector<accel::HitCount> hit_counts_;  ///< one for each path of the chunk
+    KeptVector<accel::RayCost> costs_;        ///< the same, if the view shows them
     std::size_t first_of_chunk_ = 0;
     int hits_of_each_ = 1;
-    std::vector<MatteShare> mattes_;
-    std::vector<Vec3f> lit_;   ///< radiance from shadow rays, one sum per sample
-    std::vector<float> luck_;  ///< the number for each sample that ShadowQueue::trace() needs
+    KeptVector<MatteShare> mattes_;
+    KeptVector<Vec3f> lit_;   ///< radiance from shadow rays, one sum per sample
+    KeptVector<float> luck_;  ///< the number for each sample that ShadowQueue::trace() needs
     ShadowQueue shadows_;
     EyeBody eye_body_;
     bool seeks_eye_body_;  ///< the picture shows what the body takes in which the eye may be
@@ -388,7 +388,7 @@ private:
         shade::LaneFloats spread;
         unsigned not_black = 0;  ///< bits of the surfaces to which it contributes
     };
-    std::vector<LightTests> tests_;
+    KeptVector<LightTests> tests_;
     shade::LaneFloats widths_;  ///< of the beams that have come to them
 
     Vertex& waiting(int k) noexcept { return waiting_[static_cast<std::size_t>(k)].at(); }

@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "accel/tracer.h"
+#include "base/kept_blocks.h"
 
 namespace occam::render {
 
@@ -72,11 +72,11 @@ private:
     }
 
     // These are parallel arrays, kept from batch to batch for their memory.
-    std::vector<Of> of_;
-    std::vector<accel::Ray> rays_;
+    KeptVector<Of> of_;
+    KeptVector<accel::Ray> rays_;
     std::size_t kept_ = 0;  ///< the number of rays that go on
-    std::vector<accel::SurfaceHit> hits_;
-    std::vector<accel::HitCount> counts_;
+    KeptVector<accel::SurfaceHit> hits_;
+    KeptVector<accel::HitCount> counts_;
 };
 
 }  // namespace occam::render

@@ -11,9 +11,9 @@
 
 #include <algorithm>
 #include <span>
-#include <vector>
 
 #include "accel/tracer.h"
+#include "base/kept_blocks.h"
 #include "io/texture/texture_store.h"
 #include "render/body_absorption.h"
 #include "render/passing_rays.h"
@@ -129,10 +129,10 @@ private:
     const FrameScale scale_;
     const Rules rules_;
     // These are parallel arrays, kept from batch to batch for their memory.
-    std::vector<Shadow> shadows_;
-    std::vector<accel::Ray> rays_;
-    std::vector<Start> starts_;  ///< of those that start in a body, in the order of the rays
-    std::vector<std::uint8_t> occluded_;
+    KeptVector<Shadow> shadows_;
+    KeptVector<accel::Ray> rays_;
+    KeptVector<Start> starts_;  ///< of those that start in a body, in the order of the rays
+    KeptVector<std::uint8_t> occluded_;
     PassingRays<Blocked, 4096> blocked_;
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "accel/frame.h"
+#include "base/kept_blocks.h"
 #include "render/film.h"
 #include "render/frame.h"
 #include "render/frame_sums.h"
@@ -81,13 +82,13 @@ private:
     std::chrono::steady_clock::time_point deadline_;
     double film_seconds_ = 0, visible_cells_ = 0;
     std::uint64_t samples_made_ = 0, not_finite_ = 0, tiles_ = 0;
-    std::vector<CameraSample> samples_;
-    std::vector<SampleResult> results_;
-    std::vector<Pixel> pixels_;         ///< pixels of the tiles
-    std::vector<std::uint32_t> going_;  ///< indices of those that go on, in their order
+    KeptVector<CameraSample> samples_;
+    KeptVector<SampleResult> results_;
+    KeptVector<Pixel> pixels_;         ///< pixels of the tiles
+    KeptVector<std::uint32_t> going_;  ///< indices of those that go on, in their order
     std::vector<PixelSums> sums_;
     std::vector<MatteSums> mattes_[2];
-    std::vector<MatteShare> matte_shares_;  ///< of the batch
+    KeptVector<MatteShare> matte_shares_;  ///< of the batch
 };
 
 }  // namespace occam::render
