@@ -1,7 +1,14 @@
 # With OCCAM_QUICK_BUILD several source files are compiled as one, so that headers are read and templates are made once for all of
 # them. Files that give the same name to something at the outermost level (in unnamed namespaces) go into different batches, which
 # this file finds out by itself.
-set(OCCAM_BATCH_LINES 900)  # the most lines of a batch, which a core compiles in about ten seconds
+set(OCCAM_BATCH_LINES 1500)  # the most lines of a batch, which a core compiles in about ten seconds
+# Headers that most batches include. They are precompiled with OCCAM_QUICK_BUILD only, so that other builds find out what a file does not
+# include by itself.
+set(OCCAM_QUICK_HEADERS "")
+if(OCCAM_QUICK_BUILD)
+  set(OCCAM_QUICK_HEADERS <atomic> <chrono> <functional> <map> <optional> <random> <sstream> <unordered_map> <variant>
+    ${PROJECT_SOURCE_DIR}/base/simd.h ${PROJECT_SOURCE_DIR}/scenegraph/scene.h)
+endif()
 
 # Sets `names` to what a source file defines at the start of a line: functions, types, constants and aliases.
 function(occam_outermost_names source names)

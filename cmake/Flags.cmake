@@ -25,6 +25,10 @@ target_compile_options(occam_flags INTERFACE
 # When the copy of a std::variant ends by an exception, g++ 12 has dropped the store that says that the copy is empty, and what was
 # never made is destroyed (FailingCommand.EndsInOneLineWhereverMemoryEndsWhileAFileIsWritten).
 target_compile_options(occam_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-lifetime-dse>)
+if(OCCAM_QUICK_BUILD)
+  # By default g++ looks for memory that it no longer needs many times while it compiles a batch.
+  target_compile_options(occam_flags INTERFACE "$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=400000>")
+endif()
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   # Highway's AVX2 target asks for AES and PCLMUL too; without them it silently becomes four lanes of SSSE3.
   target_compile_options(occam_flags INTERFACE -march=x86-64-v3 -maes -mpclmul)

@@ -17,7 +17,8 @@ function(occam_room name)
     target_precompile_headers(occam_${name} REUSE_FROM occam_base)
   else()
     target_precompile_headers(occam_${name} PRIVATE
-      <algorithm> <cmath> <cstdint> <memory> <span> <string> <vector> ${PROJECT_SOURCE_DIR}/base/box.h)
+      <algorithm> <cmath> <cstdint> <memory> <span> <string> <vector> ${PROJECT_SOURCE_DIR}/base/box.h
+      ${OCCAM_QUICK_HEADERS})
   endif()
   if(name STREQUAL base)
     # So that g++ makes loops of them of SIMD instructions. Nothing reads the flags of floating-point exceptions. Elsewhere this

@@ -5,6 +5,9 @@ occam_batches(occam_cli ${occam_command_sources})
 target_include_directories(occam_cli PRIVATE ${PROJECT_SOURCE_DIR}/api/command)
 target_link_libraries(occam_cli PRIVATE occam occam_flags CLI11::CLI11 nlohmann_json::nlohmann_json)
 set_target_properties(occam_cli PROPERTIES OUTPUT_NAME occam)
+if(OCCAM_QUICK_BUILD)
+  target_precompile_headers(occam_cli PRIVATE ${OCCAM_QUICK_HEADERS} ${PROJECT_SOURCE_DIR}/api/include/occam/occam.h <CLI/CLI.hpp>)
+endif()
 
 # Collects the names and versions of the libraries that --version prints.
 set(occam_libraries "oneTBB ${TBB_VERSION}, nlohmann json ${nlohmann_json_VERSION}, CLI11 ${CLI11_VERSION}, GLM ${glm_VERSION}")
@@ -23,11 +26,6 @@ foreach(header_of_library "OpenImageIO;OpenImageIO/oiioversion.h;OIIO_VERSION_" 
   string(APPEND version ".${CMAKE_MATCH_1}")
   string(APPEND occam_libraries ", ${library} ${version}")
 endforeach()
-set_source_files_properties(${PROJECT_SOURCE_DIR}/command/parse.cpp
-  PROPERTIES COMPILE_DEFINITIONS "OCCAM_LIBRARIES=\"${occam_libraries}\"")
-# Parsing arguments needs no speed, and CLI11 takes half a minute to optimise.
-set_source_files_properties(${PROJECT_SOURCE_DIR}/command/parse.cpp ${PROJECT_SOURCE_DIR}/command/parse_motion.cpp
-  ${PROJECT_SOURCE_DIR}/command/parse_replay.cpp ${PROJECT_SOURCE_DIR}/command/parse_settings.cpp
-  ${PROJECT_SOURCE_DIR}/command/parse_compare.cpp
-  ${PROJECT_SOURCE_DIR}/command/usage_message.cpp
-  PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:-O1>")
+target_compile_definitions(occam_cli PRIVATE "OCCAM_LIBRARIES=\"${occam_libraries}\"")
+# What is slow is in the library, and CLI11 takes half a minute to optimise.
+target_compile_options(occam_cli PRIVATE $<$<CONFIG:Release>:-O1>)

@@ -198,7 +198,7 @@ void say_part(const AnimateArguments& a)
 }
 
 // What the frames of a sequence are made with.
-struct Stage {
+struct SequenceParts {
     const AnimateArguments& arguments;
     ProgressDisplay& display;
     Scene& scene;
@@ -210,9 +210,9 @@ struct Stage {
 };
 
 // Makes the frames that are missing, when `done` others are there, until one is interrupted. Adds their statistics to `all`.
-void make_frames(Stage stage, const std::vector<int>& missing, std::size_t done, SequenceStats& all)
+void make_frames(SequenceParts parts, const std::vector<int>& missing, std::size_t done, SequenceStats& all)
 {
-    auto& [a, display, scene, renderer, sequence, held, frame_count, load_seconds] = stage;
+    auto& [a, display, scene, renderer, sequence, held, frame_count, load_seconds] = parts;
     Framing& framing = sequence.framing();
     std::set<std::string> known_warnings;  // warnings of the frames so far; each is printed once
     for (const int frame : missing) {
