@@ -20,8 +20,10 @@ namespace kept_blocks {
 
 inline constexpr std::size_t kLeastBytes = std::size_t(64) << 10;  ///< of a block that is worth keeping
 inline constexpr std::size_t kMostIdleBytes = std::size_t(8) << 20;
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(__SANITIZE_ADDRESS__)  // g++
 inline constexpr bool kKeeps = false;
+#elif defined(__has_feature)
+inline constexpr bool kKeeps = !__has_feature(address_sanitizer);
 #else
 inline constexpr bool kKeeps = true;
 #endif
