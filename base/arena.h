@@ -93,9 +93,7 @@ private:
             ++current_;
             used_ = 0;
         }
-        if (current_ == chunks_.size()) {
-            chunks_.push_back(block(kChunkBytes));
-        }
+        if (current_ == chunks_.size()) chunks_.push_back(block(kChunkBytes));
         std::byte* p = chunks_[current_].get() + used_;
         used_ += bytes;
         return p;

@@ -32,7 +32,7 @@ TEST(Arena, HoldsLittleMoreThanItCountsAfterAReset)
             if (arena.bytes() == 0 || round % 2 == 1) arena.make_array<std::byte>(Arena::kChunkBytes + 1024);
             for (int i = 0; i < 64; ++i) arena.make_array<std::byte>(4096);
         }
-        // The sizes of kept blocks are rounded up by a sixteenth at most.
+        // The sizes of kept blocks of at least a chunk are rounded up by a sixteenth at most.
         EXPECT_LE(allocated_bytes() - before, arena.bytes() / 16 * 17 + 2 * Arena::kChunkBytes) << round;
         arena.reset();
     }
