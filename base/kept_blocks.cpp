@@ -12,8 +12,8 @@
 namespace occam::kept_blocks {
 namespace {
 
-// Returns the size of the blocks that hold so many bytes: a multiple of a sixteenth of the largest power of two below, and of
-// kLeastStep.
+// Returns the size of the blocks that hold so many bytes: a multiple of a sixteenth of the largest power of two below, and
+// of kLeastStep.
 std::size_t size_for(std::size_t bytes) noexcept
 {
     constexpr std::size_t kLeastStep = std::size_t(16) << 10;  // a multiple of the pages of all processors but the rarest

@@ -5,8 +5,8 @@
 //          such a block. At most kMostIdleBytes for each processor are kept; beyond that, those go back to the system that
 //          have been idle longest. With the address sanitizer none is kept, and vectors are on the heap.
 // Threads  Any thread may take and give blocks.
-// Source   The sizes are those of allocators with size classes: sixteen for each power of two from 256 KiB on, so that at most
-//          a sixteenth of a block is unused, and multiples of 16 KiB below.
+// Source   The sizes are those of allocators with size classes: sixteen for each power of two from 256 KiB on, so that at
+//          most a sixteenth of a block is unused, and multiples of 16 KiB below.
 #pragma once
 
 #include <cstddef>
@@ -18,9 +18,9 @@ namespace occam {
 
 namespace kept_blocks {
 
-inline constexpr std::size_t kLeastBytes = std::size_t(64) << 10;  ///< of a block that is worth keeping
+inline constexpr std::size_t kLeastBytes = std::size_t(64) << 10;    ///< of a block that is worth keeping
 inline constexpr std::size_t kMostIdleBytes = std::size_t(8) << 20;  ///< for each processor
-#if defined(__SANITIZE_ADDRESS__)  // g++
+#if defined(__SANITIZE_ADDRESS__)                                    // g++
 inline constexpr bool kKeeps = false;
 #elif defined(__has_feature)
 inline constexpr bool kKeeps = !__has_feature(address_sanitizer);
