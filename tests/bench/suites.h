@@ -22,6 +22,7 @@ void run_converge(Report& report);
 void run_memory(Report& report);
 void run_budgets(Report& report);  ///< belongs to run_memory()
 void run_frame(Report& report);
+void run_game(Report& report);
 void run_first(Report& report);
 void run_levels(Report& report);
 void run_crowd(Report& report);
@@ -52,6 +53,7 @@ inline constexpr Suite kSuites[] = {
     {"converge", "light with level of detail on and off at many samples, over shading rates", run_converge},
     {"memory", "bytes a resident micro-triangle; frames under parts of the memory that they take", run_memory},
     {"frame", "whole frames at 4 samples, with their error against 64", run_frame},
+    {"game", "a sequence of small frames, all new: the game of the samples", run_game},
     {"levels", "level of detail of each ray, of each cage, and of a ray's origin: time, memory, difference", run_levels},
     {"first", "from the file to the first finished tile, 500,000 faces", run_first},
     {"crowd", "cages that all deform every frame, beside Embree rebuilding its own", run_crowd},
