@@ -190,6 +190,11 @@ std::size_t count_what_is_there(std::size_t missing, std::size_t all, ProgressDi
 // Says which part of the sequence is made where the variables of a batch system decide it, of which a person may not know.
 void say_part(const AnimateArguments& a)
 {
+    if (a.is_slurms_shard_unclear)
+        std::fprintf(
+            stderr,
+            "occam: Slurm's array variables do not say which part of the sequence is this task's (SLURM_ARRAY_TASK_ID; a "
+            "list of tasks must have even steps), so all of it is made; --shard K/N chooses a part\n");
     if (!a.is_slurms_shard || a.shard.count == 1) return;
     std::fprintf(stderr,
                  "occam: part %d of %d of the sequence is made, since Slurm's array variables say so (SLURM_ARRAY_TASK_ID); "

@@ -61,7 +61,8 @@ struct AnimateArguments : RenderArguments {
     FramePattern pattern{"frame.####.exr"};  ///< from `output`
     std::vector<int> frames;
     Shard shard;
-    bool is_slurms_shard = false;  ///< Slurm's variables say it, and not the command line
+    bool is_slurms_shard = false;          ///< Slurm's variables say it, and not the command line
+    bool is_slurms_shard_unclear = false;  ///< they should, and do not say which
     bool overwrite = false;
 };
 

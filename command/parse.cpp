@@ -215,11 +215,11 @@ Arguments finished(AnimateArguments a, bool has_shard)
         std::cerr << "occam: --output: " << printable_line(error.what()) << " (occam animate --help)\n";
         return Finished{2};
     }
-    if (!has_shard)
-        if (const auto slurm = slurm_shard([](const char* name) -> const char* { return std::getenv(name); })) {
-            a.shard = *slurm;
-            a.is_slurms_shard = true;
-        }
+    if (has_shard) return a;
+    const auto slurm = slurm_shard(std::getenv);
+    a.shard = slurm.value_or(a.shard);
+    a.is_slurms_shard = slurm.has_value();
+    a.is_slurms_shard_unclear = !slurm && std::getenv("SLURM_ARRAY_TASK_ID");
     return a;
 }
 

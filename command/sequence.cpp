@@ -95,7 +95,7 @@ Shard shard_of(std::string_view text)
     return {*index, *count};
 }
 
-std::optional<Shard> slurm_shard(const char* (*variable)(const char*))
+std::optional<Shard> slurm_shard(const std::function<const char*(const char*)>& variable)
 {
     const auto number = [&](const char* name) -> std::optional<int> {
         const char* text = variable(name);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -37,6 +38,6 @@ struct Shard {
 Shard shard_of(std::string_view text);
 /// Returns the part that an array job of Slurm states (SLURM_ARRAY_TASK_ID, _MIN, _STEP, _COUNT), or none outside of one.
 /// variable   returns a variable's value by its name, or null, like std::getenv
-std::optional<Shard> slurm_shard(const char* (*variable)(const char*));
+std::optional<Shard> slurm_shard(const std::function<const char*(const char*)>& variable);
 
 }  // namespace occam::command
