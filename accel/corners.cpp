@@ -33,6 +33,17 @@ bool hangs(const lod::TileRef& tile, int i, int j) noexcept
            (v == 1u << rates.v && is_between(2, u, rates.u)) || (u == 0 && is_between(3, v, rates.v));
 }
 
+// Holds a quad of a part by its number along u and v.
+struct PartQuad {
+    int i, j;
+};
+// Returns the quad of a hit. The place of a gap triangle is that of its T-vertex, which may be the last of its row or
+// column: then the quad is the one before it.
+PartQuad quad_at(const IGridPart& part, const MicropolygonPlace& spot) noexcept
+{
+    return {std::min<int>(spot.i, part.tile.columns - 1), std::min<int>(spot.j, part.tile.rows - 1)};
+}
+
 lod::Hanging::Ends ends_of(const GridHit& met, const OwnBlend& blend, const lod::Hanging& hanging,
                            float (&weight)[2]) noexcept
 {
@@ -74,7 +85,8 @@ HitCorners::HitCorners(std::span<const GridHit> met, const MicropolygonPlace* sp
 
 HitCorners::Vertices::Vertices(const IGridPart& part, const MicropolygonPlace& spot) noexcept
 {
-    const std::uint32_t low = part.vertex(spot.i, spot.j), along_i = part.is_transposed ? part.width : 1,
+    const PartQuad quad = quad_at(part, spot);
+    const std::uint32_t low = part.vertex(quad.i, quad.j), along_i = part.is_transposed ? part.width : 1,
                         along_j = part.is_transposed ? 1 : part.width;
     of[0] = low;
     of[1] = low + along_i + (spot.triangle != 0 ? along_j : 0);
@@ -216,8 +228,9 @@ void HitCorners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const Own
 {
     const MicropolygonPlace& spot = spots_[lane];
     const GridHit& m = met_[lane];
+    const PartQuad quad = quad_at(*spot.part, spot);
     for (int p = 0; p < 3; ++p) {
-        const int i = spot.i + kQuadCorners[spot.triangle][p][0], j = spot.j + kQuadCorners[spot.triangle][p][1];
+        const int i = quad.i + kQuadCorners[spot.triangle][p][0], j = quad.j + kQuadCorners[spot.triangle][p][1];
         const lod::Hanging* hanging = hangs(spot.part->tile, i, j)
                                           ? find_hanging(m.grid->lattice(), part_of(spot.number), i, j)
                                           : nullptr;

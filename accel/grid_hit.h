@@ -52,7 +52,7 @@ struct GridHit {
 /// Returns whether the micropolygon is a gap triangle, which has no area.
 inline bool is_gap(std::uint32_t id) noexcept { return (id & kGapBit) != 0; }
 inline bool is_gap(const GridHit& met) noexcept { return is_gap(met.id); }
-/// Returns the number of the micropolygon; for a gap triangle, that of the micropolygon beside it. That of a triangle of a
+/// Returns the number of the micropolygon; for a gap triangle, one with the place of its T-vertex. That of a triangle of a
 /// mesh is its face.
 inline std::uint32_t number_of(const IGrid& grid, std::uint32_t id) noexcept
 {
@@ -66,12 +66,12 @@ inline bool are_same(const IGrid& grid, std::uint32_t a, std::uint32_t b) noexce
     return a == b || (!grid.is_lattice && number_of(grid, a) == number_of(grid, b));
 }
 
-/// Locates the micropolygon that a ray has hit, or the one beside the gap triangle that it has hit.
+/// Locates the micropolygon that a ray has hit, or the T-vertex of the gap triangle that it has hit.
 struct MicropolygonPlace {
     std::uint32_t number;
     std::uint32_t face;  ///< face index in the cage
     IGridPart* part;     ///< null for a triangle of a mesh
-    int i, j, triangle;  ///< as in QuadRef, within the part
+    int i, j, triangle;  ///< as in QuadRef, within the part; those of a T-vertex may be beyond its last quad
 
     void set(const GridHit& met) noexcept
     {

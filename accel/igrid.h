@@ -185,7 +185,7 @@ struct LatticeContents {
     const BlockHanging* block_hanging = nullptr;
     /// All T-vertices with a gap triangle here, padded with copies to blocks of eight.
     std::span<const lod::Hanging> hanging;
-    /// For each T-vertex: the micropolygon whose id its gap triangle reports.
+    /// For each T-vertex: its place, as that of a micropolygon, which its gap triangle reports.
     const std::uint32_t* hanging_quads = nullptr;
     std::span<IGridPart> parts;
 };

@@ -72,6 +72,9 @@ void check_ray(const QueryRay& asked)
     if ((asked.kinds & RayKind::All) == 0) throw error_without_file("a ray must be of a kind that sees something", "ray");
 }
 
+/// Rays that start farther away, in lengths of the frame, see nothing: their distances would not be finite floats.
+constexpr double kFarthestOrigin = 1e30;
+
 /// The ray that is asked for has to pass check_ray().
 accel::Ray ray_of(const QueryRay& asked, const Asked& about)
 {
@@ -80,7 +83,7 @@ accel::Ray ray_of(const QueryRay& asked, const Asked& about)
     // decide for all rays of its packet where they end.
     ray.t_far = 0;
     const Vec3d direction = unit_vector(asked.direction), origin = asked.origin * about.scale.to_frame();
-    if (direction == Vec3d(0) || !std::isfinite(glm::dot(origin, origin)) || std::isnan(asked.far)) return ray;
+    if (direction == Vec3d(0) || !(glm::length(origin) <= kFarthestOrigin) || std::isnan(asked.far)) return ray;
     ray.time = asked.time;
     ray.kinds = asked.kinds;
     ray.origin = origin;

@@ -64,7 +64,7 @@ TEST(Query, ARayThatIsNotANumberHitsNothingAndLeavesItsNeighboursAlone)
     for (const FirstHit& hit : wanted) ASSERT_TRUE(std::isfinite(hit.distance));
     for (const int field : {0, 1, 2, 3, 4, 5, 6})
         for (const double bad : {double(NAN), -double(NAN)})
-            for (const std::size_t at : {0u, 3u, 9u, 63u}) {
+            for (std::size_t at = 0; at < rays.size(); ++at) {
                 std::vector<QueryRay> asked = rays;
                 QueryRay& ray = asked[at];
                 (field < 3 ? ray.origin[field] : field < 6 ? ray.direction[field - 3] : ray.far) = bad;
@@ -77,6 +77,25 @@ TEST(Query, ARayThatIsNotANumberHitsNothingAndLeavesItsNeighboursAlone)
             }
     for (const Vec2d place : {Vec2d(NAN, 3), Vec2d(3, NAN), Vec2d(INFINITY, 3)})
         EXPECT_FALSE(query.pick(place.x, place.y, 64).has_value());
+}
+
+// The ray that is far away has every place of a packet in turn.
+TEST(Query, ARayFromVeryFarAwayLeavesItsNeighboursAlone)
+{
+    Ball ball;
+    const Query query(ball.scene, kBefore);
+    std::vector<QueryRay> rays;
+    for (int i = 0; i < 64; ++i) rays.push_back({{0.01 * (i % 8), 0.01 * (i / 8), 5}, {0.1, 0.05, -1}});
+    std::vector<FirstHit> wanted(rays.size()), found(rays.size());
+    query.first_hits(rays, wanted);
+    for (const double away : {1e10, 1e29, 1e39, 1e60, 1e200})
+        for (std::size_t at = 0; at < rays.size(); ++at) {
+            std::vector<QueryRay> asked = rays;
+            asked[at].origin -= asked[at].direction * away;
+            query.first_hits(asked, found);
+            for (std::size_t i = 0; i < asked.size(); ++i)
+                ASSERT_TRUE(i == at || found[i].distance == wanted[i].distance) << away << ": " << at << ' ' << i;
+        }
 }
 
 TEST(Query, WritesNoHitIfOneOfTheRaysIsRefused)

@@ -364,15 +364,6 @@ TEST_F(Animate, APartThatSlurmChoosesIsTold)
     const Outcome whole = run(words("a.#.exr", "0-3", {"--shard", "1/1"}));
     EXPECT_EQ(whole.err, "");
     EXPECT_TRUE(fs::exists(folder / "a.3.exr"));
-
-    // Without the number of tasks the part is not known.
-    before_exec = [] { setenv("SLURM_ARRAY_TASK_ID", "5", 1); };
-    const Outcome unclear = run(words("b.#.exr", "0-1"));
-    EXPECT_EQ(unclear.exit_code, kDone);
-    EXPECT_EQ(unclear.err.find("occam: Slurm's array variables do not say which part of the sequence is this task's"), 0u)
-        << unclear.err;
-    EXPECT_TRUE(fs::exists(folder / "b.0.exr"));
-    EXPECT_TRUE(fs::exists(folder / "b.1.exr"));
 }
 
 TEST_F(Animate, SpeaksOpenJobDescription)

@@ -63,6 +63,17 @@ TEST_F(CommandUsage, AnOptionWithNothingBehindItsSignTakesNoOtherWord)
     EXPECT_EQ(run({"render", "-o", "a.png", "--size=8x4", "--spp", "1", "--", "triangle.obj"}).exit_code, kDone);
 }
 
+TEST_F(CommandUsage, APartThatSlurmDoesNotStateIsTold)
+{
+    before_exec = [] { setenv("SLURM_ARRAY_TASK_ID", "5", 1); };  // but not of how many tasks
+    const Outcome o = run({"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0-1", "--size", "4x4", "--spp", "1"});
+    EXPECT_EQ(o.exit_code, kDone);
+    EXPECT_EQ(o.err.find("occam: Slurm's array variables do not say which part of the sequence is this task's"), 0u)
+        << o.err;
+    EXPECT_TRUE(fs::exists(folder / "a.0.png"));
+    EXPECT_TRUE(fs::exists(folder / "a.1.png"));
+}
+
 TEST_F(CommandUsage, NumbersBeyondTheRangeOfFloatsAreRefusedByTheirOption)
 {
     for (const char* option : {"--fov", "--clamp", "--ao-distance", "--deadline", "--environment-strength", "--frame"}) {

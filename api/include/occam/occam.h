@@ -170,9 +170,9 @@ struct RayFootprint {
     float width = 0, spread = 0;
 };
 
-/// A ray of a query. One whose origin or direction is not finite, whose direction is zero or whose `far` is not a number
-/// hits nothing. Questions throw Error, before any of their rays is traced, for a footprint or a time out of range, and for
-/// kinds that see nothing.
+/// A ray of a query. One whose origin or direction is not finite, whose direction is zero, whose `far` is not a number or
+/// whose origin is some 10^30 times the size of the scene away hits nothing. Questions throw Error, before any of their rays
+/// is traced, for a footprint or a time out of range, and for kinds that see nothing.
 struct QueryRay {
     Vec3d origin{0};
     Vec3d direction{0, 0, -1};                             ///< need not be unit
