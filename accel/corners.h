@@ -105,7 +105,4 @@ private:
     unsigned lattices_ = 0, meshes_ = 0;  ///< bit masks of lanes with a hit on either
 };
 
-/// Holds the positions of the corners of a quad's two triangles, in units of quads.
-inline constexpr int kQuadCorners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
-
 }  // namespace occam::accel

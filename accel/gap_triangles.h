@@ -1,6 +1,7 @@
 // Intersects the gap triangles of T-vertices, which have no area, with one ray.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 
 #include "accel/coordinates.h"
@@ -75,18 +76,25 @@ struct GapTriangles {
                 }
             }
             ShearedVertex v[3];
-            for (int p = 0; p < 3; ++p)
-                v[p] = shear(ray, one.origin,
-                             {vfloat::load(corner[p][0]), vfloat::load(corner[p][1]), vfloat::load(corner[p][2])});
-            offer_exact(one, v, bits(is_inside(edge_functions(v[0], v[1], v[2]))), first);
+            VecLanes at[3];
+            for (int p = 0; p < 3; ++p) {
+                at[p] = {vfloat::load(corner[p][0]), vfloat::load(corner[p][1]), vfloat::load(corner[p][2])};
+                v[p] = shear(ray, one.origin, at[p]);
+            }
+            const unsigned inside = bits(is_inside(edge_functions(v[0], v[1], v[2])));
+            if (inside != 0) offer_exact(one, v, Extent(ray, one.origin, at[0], at[1], at[2]), inside, first);
         }
     }
 
 private:
     /// Tests the triangles of some lanes again in double, and offers the hits. `first` is the number of lane 0.
-    void offer_exact(const OneRay<Coordinates>& one, const ShearedVertex (&v)[3], unsigned lanes, int first) const noexcept
+    void offer_exact(const OneRay<Coordinates>& one, const ShearedVertex (&v)[3], const Extent& extent, unsigned lanes,
+                     int first) const noexcept
     {
-        float x[3][kLanes], y[3][kLanes], t[3][kLanes], shift[kLanes], t_near[kLanes], t_far[kLanes];
+        float x[3][kLanes], y[3][kLanes], t[3][kLanes], shift[kLanes], t_near[kLanes], t_far[kLanes], low[kLanes],
+            high[kLanes];
+        extent.low.store(low);
+        extent.high.store(high);
         for (int p = 0; p < 3; ++p) {
             v[p].x.store(x[p]);
             v[p].y.store(y[p]);
@@ -102,7 +110,7 @@ private:
             const double det = u + w_v + w;
             if (!inside || det == 0) continue;
             const double exact = (u * t[0][k] + w_v * t[1][k] + w * t[2][k]) / det;
-            const float found = shift[0] + static_cast<float>(exact);
+            const float found = std::min(std::max(shift[0] + static_cast<float>(exact), low[k]), high[k]);
             min(query.limit(), span.t_end).store(t_far);
             if (found > t_near[one.lane] && found <= t_far[one.lane])
                 query.offer(one.lane, found, grid, kGapBit | static_cast<std::uint32_t>(first + k));

@@ -66,6 +66,9 @@ inline bool are_same(const IGrid& grid, std::uint32_t a, std::uint32_t b) noexce
     return a == b || (!grid.is_lattice && number_of(grid, a) == number_of(grid, b));
 }
 
+/// Holds the positions of the corners of a quad's two triangles, in units of quads.
+inline constexpr int kQuadCorners[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
+
 /// Locates the micropolygon that a ray has hit, or the T-vertex of the gap triangle that it has hit.
 struct MicropolygonPlace {
     std::uint32_t number;

@@ -23,6 +23,7 @@
 
 #include "accel/gap_triangles.h"
 #include "accel/in_box.h"
+#include "accel/lattice_vertices.h"
 #include "accel/triangle.h"
 #include "accel/triangle_tracer.h"
 
@@ -37,6 +38,7 @@ public:
           origin_{ray_.origin[ray_.kx], ray_.origin[ray_.ky], ray_.origin[ray_.kz]},
           read_(read),
           boxes_(at_key(grid.boxes)),
+          vertices_(read, grid.floats_of_a_key),
           span_(rays.span),
           query_(query)
     {
@@ -93,7 +95,7 @@ public:
         const Boxes gap_boxes = at_key(lattice().hanging_boxes);
         for_each_block(gap_boxes, in(gap_boxes), [&](int block) {
             count_tests(query_, IGrid::kBlock);
-            gaps().intersect(block, {lane, ray_, origin_, blend_, read_}, blends);
+            gaps().intersect(block, {lane, ray_, origin_, vertices_.blend, read_}, blends);
         });
     }
 
@@ -119,23 +121,23 @@ private:
     {
         const std::ptrdiff_t first = Coordinates::kMove ? read_.key() * next_key() : 0;
         for (int a = 0; a < 3; ++a) {
-            fine_[a] = lattice().fine[axes_[a]] + first;
-            coarse_[a] = lattice().coarse[axes_[a]] + first;
+            vertices_.fine[a] = lattice().fine[axes_[a]] + first;
+            vertices_.coarse[a] = lattice().coarse[axes_[a]] + first;
         }
-        vertices_ = fine_;
+        vertices_.still = vertices_.fine;
         if (!grid_.blends()) return false;
-        blend_ = ray_.blend.along(axes_[0], axes_[1], axes_[2]);
+        vertices_.blend = ray_.blend.along(axes_[0], axes_[1], axes_[2]);
         vfloat lowest[3], highest[3];
         for (int a = 0; a < 3; ++a) {
-            const vmask falls = blend_.d[a] < vfloat(0.0f);
+            const vmask falls = vertices_.blend.d[a] < vfloat(0.0f);
             const float *low = boxes_.root() + axes_[a] * kRow, *high = low + 3 * kRow;
             const vfloat lo = read_.one(low, boxes_.floats_of_a_key), hi = read_.one(high, boxes_.floats_of_a_key);
             lowest[a] = select(falls, hi, lo);
             highest[a] = select(falls, lo, hi);
         }
-        if (none(active & (blend_.ramp({highest[0], highest[1], highest[2]}) > vfloat(0.0f)))) return false;
-        if (none(active & (blend_.ramp({lowest[0], lowest[1], lowest[2]}) < vfloat(1.0f)))) {
-            vertices_ = coarse_;
+        if (none(active & (vertices_.blend.ramp({highest[0], highest[1], highest[2]}) > vfloat(0.0f)))) return false;
+        if (none(active & (vertices_.blend.ramp({lowest[0], lowest[1], lowest[2]}) < vfloat(1.0f)))) {
+            vertices_.still = vertices_.coarse;
             return false;
         }
         return true;
@@ -150,7 +152,8 @@ private:
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = std::countr_zero(lanes);
                 const VecLanes origin{spread(origin_.x, lane), spread(origin_.y, lane), spread(origin_.z, lane)};
-                const OneRay<Coordinates> one{lane, spread(ray_, lane), origin, blends ? spread(blend_, lane) : blend_,
+                const OneRay<Coordinates> one{lane, spread(ray_, lane), origin,
+                                              blends ? spread(vertices_.blend, lane) : vertices_.blend,
                                               of_lane(read_, lane)};
                 gaps().intersect(block, one, blends);
             }
@@ -162,7 +165,10 @@ private:
     {
         return {all.key(), spread(all.share(), lane)};
     }
-    GapTriangles<Query, Coordinates> gaps() noexcept { return {lattice(), fine_, coarse_, vertices_, span_, query_}; }
+    GapTriangles<Query, Coordinates> gaps() noexcept
+    {
+        return {lattice(), vertices_.fine, vertices_.coarse, vertices_.still, span_, query_};
+    }
 
     vfloat limit() const noexcept { return min(query_.limit(), span_.t_end); }
 
@@ -219,13 +225,13 @@ private:
         }
     }
 
-    /// Offers the hits of a packet with one micropolygon.
-    void offer_lanes(const TriangleHit& hit, vmask alive, std::uint32_t id) noexcept
+    /// Offers the hits of a packet with one micropolygon at `found`.
+    void offer_lanes(vmask is_hit, vfloat found, std::uint32_t id) noexcept
     {
-        unsigned lanes = bits(hit.is_hit & alive & (hit.t > span_.t_near) & (hit.t <= limit()));
+        unsigned lanes = bits(is_hit & (found > span_.t_near) & (found <= limit()));
         if (lanes == 0) return;
         float t[kLanes];
-        hit.t.store(t);
+        found.store(t);
         for (; lanes != 0; lanes &= lanes - 1) query_.offer(std::countr_zero(lanes), t[std::countr_zero(lanes)], grid_, id);
     }
     static std::uint32_t quad_id(const LatticeBlock& block, int column, int row, int triangle) noexcept
@@ -233,34 +239,6 @@ private:
         const int fast = block.fast + column, slow = block.slow + row;
         return block.is_transposed ? make_id(block.part, slow, fast, 1 - triangle)
                                    : make_id(block.part, fast, slow, triangle);
-    }
-
-    /// Returns a vertex as this ray, or each ray of the packet, sees it, with its coordinates along kx, ky, kz.
-    OCCAM_ALWAYS_INLINE VecLanes still_vertex(std::uint32_t at) const noexcept
-    {
-        return {read(vertices_[0] + at), read(vertices_[1] + at), read(vertices_[2] + at)};
-    }
-    OCCAM_ALWAYS_INLINE VecLanes blended_vertex(std::uint32_t at) const noexcept
-    {
-        return blend_.between({read(fine_[0] + at), read(fine_[1] + at), read(fine_[2] + at)},
-                              {read(coarse_[0] + at), read(coarse_[1] + at), read(coarse_[2] + at)});
-    }
-    OCCAM_ALWAYS_INLINE vfloat read(const float* p) const noexcept { return read_.one(p, next_key()); }
-    /// Returns whether a vertex moves from the fine to the coarse level.
-    OCCAM_ALWAYS_INLINE bool blends_at(std::uint32_t at) const noexcept
-    {
-        const auto is_same = [&](int a) { return read_.are_same(fine_[a] + at, coarse_[a] + at, next_key()); };
-        return !is_same(0) || !is_same(1) || !is_same(2);
-    }
-    VecLanes hanging_vertex(const lod::Hanging& hanging, bool blends) const noexcept
-    {
-        VecLanes low = blends ? blended_vertex(hanging.a) : still_vertex(hanging.a),
-                 high = blends ? blended_vertex(hanging.c) : still_vertex(hanging.c);
-        for (int d = hanging.depth; d > 0; --d) {
-            const VecLanes m = middle(low, high);
-            (hanging.path >> (d - 1) & 1 ? low : high) = m;
-        }
-        return middle(low, high);
     }
 
     template <bool kBlends>
@@ -271,14 +249,14 @@ private:
             for (std::uint32_t c = 0; c <= block.columns; ++c) {
                 const std::uint32_t at = block.first + r * block.stride + c;
                 // A vertex that is the same in both levels needs no weight.
-                if (kBlends && blends_at(at)) v[r][c] = shear(ray_, origin_, blended_vertex(at));
-                else v[r][c] = shear(ray_, origin_, still_vertex(at));
+                if (kBlends && vertices_.blends_at(at)) v[r][c] = shear(ray_, origin_, vertices_.blended(at));
+                else v[r][c] = shear(ray_, origin_, vertices_.plain(at));
             }
         // A T-vertex is where it was diced only if neither levels nor time are blended.
         if constexpr (kBlends || Coordinates::kMove)
             for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
                 const BlockHanging& at = lattice().block_hanging[h];
-                v[at.row][at.column] = shear(ray_, origin_, hanging_vertex(lattice().hanging[at.hanging], kBlends));
+                v[at.row][at.column] = shear(ray_, origin_, vertices_.hanging(lattice().hanging[at.hanging], kBlends));
             }
         Edge across[kColumns - 1];  // the upper edges of the last row
         for (int c = 0; c < block.columns; ++c) across[c] = {v[0][c + 1], v[0][c]};
@@ -286,9 +264,14 @@ private:
             Edge left(v[r][0], v[r + 1][0]);
             for (int c = 0; c < block.columns; ++c) {
                 const Edge right(v[r][c + 1], v[r + 1][c + 1]), upper(v[r + 1][c + 1], v[r + 1][c]);
-                intersect_quad(
-                    ray_, {v[r][c], v[r][c + 1], v[r + 1][c], v[r + 1][c + 1]}, {left, right, across[c], upper},
-                    [&](const TriangleHit& hit, int triangle) { offer_lanes(hit, alive, quad_id(block, c, r, triangle)); });
+                intersect_quad(ray_, {v[r][c], v[r][c + 1], v[r + 1][c], v[r + 1][c + 1]}, {left, right, across[c], upper},
+                               [&](const TriangleHit& hit, int triangle) {
+                                   const vmask is_hit = hit.is_hit & alive;
+                                   if (none(is_hit)) return;
+                                   const QuadCorners<kBlends, Coordinates> corner{vertices_, lattice(), block,
+                                                                                  c,         r,         triangle};
+                                   offer_lanes(is_hit, narrowed(ray_, origin_, hit, corner), quad_id(block, c, r, triangle));
+                               });
                 left = right;
                 across[c] = upper;
             }
@@ -309,14 +292,15 @@ private:
                     return VecLanes{read_.many(p[0] + at, next_key()), read_.many(p[1] + at, next_key()),
                                     read_.many(p[2] + at, next_key())};
                 };
-                const VecLanes p = kBlends ? blend_.between(load(fine_), load(coarse_)) : load(vertices_);
+                const VecLanes p = kBlends ? vertices_.blend.between(load(vertices_.fine), load(vertices_.coarse))
+                                           : load(vertices_.still);
                 p.x.store(&own.v[0][r][c]);
                 p.y.store(&own.v[1][r][c]);
                 p.z.store(&own.v[2][r][c]);
             }
         for (std::uint32_t h = block.hanging; h < block.hanging + block.hanging_count; ++h) {
             const BlockHanging& at = lattice().block_hanging[h];
-            const VecLanes p = hanging_vertex(lattice().hanging[at.hanging], kBlends);
+            const VecLanes p = vertices_.hanging(lattice().hanging[at.hanging], kBlends);
             own.v[0][at.row][at.column] = first_lane(p.x);
             own.v[1][at.row][at.column] = first_lane(p.y);
             own.v[2][at.row][at.column] = first_lane(p.z);
@@ -327,7 +311,8 @@ private:
     {
         count_tests(query_, 2 * block.columns * block.rows);
         OwnRows own;
-        const float* from[3] = {vertices_[0] + block.first, vertices_[1] + block.first, vertices_[2] + block.first};
+        const float* from[3] = {vertices_.still[0] + block.first, vertices_.still[1] + block.first,
+                                vertices_.still[2] + block.first};
         std::ptrdiff_t stride = block.stride;
         if (Coordinates::kMove || blends) {
             if (!Coordinates::kMove || blends) blend_rows<true>(block, own);
@@ -341,21 +326,24 @@ private:
         if (block.rows == 2) real |= real << 4;
         for (int first = 0; first < IGrid::kBlock; first += kLanes) {
             if ((real >> first & ((1u << kLanes) - 1)) == 0) continue;
-            const auto corner = [&](int dc, int dr) {
-                const std::ptrdiff_t at = dr * stride + dc;
-                return shear(ray_, origin_,
-                             VecLanes{vfloat::load_halves(from[0] + at, from[0] + at + upper, first),
-                                      vfloat::load_halves(from[1] + at, from[1] + at + upper, first),
-                                      vfloat::load_halves(from[2] + at, from[2] + at + upper, first)});
+            const auto position = [x = from[0], y = from[1], z = from[2], stride, upper, first](int dc, int dr) {
+                const std::ptrdiff_t low = dr * stride + dc, high = low + upper;
+                return VecLanes{vfloat::load_halves(x + low, x + high, first), vfloat::load_halves(y + low, y + high, first),
+                                vfloat::load_halves(z + low, z + high, first)};
             };
+            const auto corner = [&](int dc, int dr) { return shear(ray_, origin_, position(dc, dr)); };
             const ShearedVertex v00 = corner(0, 0), v10 = corner(1, 0), v01 = corner(0, 1), v11 = corner(1, 1);
             intersect_quad(ray_, {v00, v10, v01, v11}, {{v00, v01}, {v10, v11}, {v10, v00}, {v11, v01}},
                            [&](const TriangleHit& hit, int triangle) {
-                               unsigned lanes = bits(hit.is_hit & (hit.t > span_.t_near) & (hit.t <= limit())) &
+                               if ((bits(hit.is_hit) & (real >> first)) == 0) return;
+                               const vfloat found = narrowed(ray_, origin_, hit, [=](int p) {
+                                   return position(kQuadCorners[triangle][p][0], kQuadCorners[triangle][p][1]);
+                               });
+                               unsigned lanes = bits(hit.is_hit & (found > span_.t_near) & (found <= limit())) &
                                                 (real >> first);
                                if (lanes == 0) return;
                                float t[kLanes];
-                               hit.t.store(t);
+                               found.store(t);
                                for (; lanes != 0; lanes &= lanes - 1) {
                                    const int k = std::countr_zero(lanes), quad = first + k;
                                    query_.offer(lane, t[k], grid_, quad_id(block, quad % 4, quad / 4, triangle));
@@ -368,15 +356,12 @@ private:
     const RayLanes& ray_;
     VecLanes origin_;  ///< along kx, ky, kz
     Coordinates read_;
-    Boxes boxes_;           ///< at the rays' key
-    int axes_[3];           ///< kx, ky, kz
-    const float* fine_[3];  ///< coordinates along these axes; set in lattices
-    const float* coarse_[3];
-    VertexBlend blend_;     ///< along the same axes; valid if the grid blends
+    Boxes boxes_;                            ///< at the rays' key
+    int axes_[3];                            ///< kx, ky, kz
+    LatticeVertices<Coordinates> vertices_;  ///< along these axes
     int near_[3], far_[3];  ///< places, over row_of(), of the planes of a box that the ray crosses first, and last
     RaySpan span_;
     Query& query_;
-    const float* const* vertices_ = nullptr;  ///< the positions for rays that do not blend
 };
 
 /// Intersects a packet, one ray in each lane, with an igrid of either kind.

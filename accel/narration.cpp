@@ -68,13 +68,15 @@ void test(std::span<const std::uint32_t> ids, const RayAtGrid& at, std::vector<T
     HitCorners corners(std::span<const GridHit>(hits).first(ids.size()), places.data());
     corners.set_positions(at.direction, ray.origin, ray.shift, 0);
     const VecLanes origin{ray.origin[ray.kx], ray.origin[ray.ky], ray.origin[ray.kz]};
-    const auto sheared = [&](int p) {
+    const auto corner = [&](int p) {
         const FloatLanes(&of)[3] = corners.position[p];
-        return shear(ray, origin, {vfloat::load(of[ray.kx]), vfloat::load(of[ray.ky]), vfloat::load(of[ray.kz])});
+        return VecLanes{vfloat::load(of[ray.kx]), vfloat::load(of[ray.ky]), vfloat::load(of[ray.kz])};
     };
+    const auto sheared = [&](int p) { return shear(ray, origin, corner(p)); };
     const ShearedVertex a = sheared(0), b = sheared(1), c = sheared(2);
     const EdgeFunctions e = edge_functions(a, b, c);
-    const TriangleHit found = hit_inside(ray, e, is_inside(e), a, b, c);
+    TriangleHit found = hit_inside(ray, e, is_inside(e), a, b, c);
+    found.t = narrowed(ray, origin, found, corner);
     const unsigned inside = bits(found.is_hit);
     for (std::size_t k = 0; k < ids.size(); ++k) {
         TestedTriangle one{ids[k],          places[k],           lane_of(e.u, k), lane_of(e.v, k),

@@ -53,14 +53,15 @@ OCCAM_ALWAYS_INLINE void set_shear(const RayAxes& axes, const F* direction, F (&
     shear[0] = direction[axes.kx] * shear[2];
     shear[1] = direction[axes.ky] * shear[2];
 }
+inline constexpr float kLeastDirection = 1e-18f;  ///< the least component of a direction that is inverted
 /// Computes 1 / direction. Components that are too small are replaced by the limit, with their sign.
 template <class F>
 OCCAM_ALWAYS_INLINE void set_inverse(const RayAxes& axes, const F* direction, F (&inverse)[3]) noexcept
 {
-    constexpr float kSmallest = 1e-18f;
     for (int a = 0; a < 3; ++a) {
         const F d = direction[a];
-        inverse[a] = F(1.0f) / select(abs(d) < F(kSmallest), F(axes.negative[a] ? -kSmallest : kSmallest), d);
+        inverse[a] = F(1.0f) /
+                     select(abs(d) < F(kLeastDirection), F(axes.negative[a] ? -kLeastDirection : kLeastDirection), d);
     }
 }
 

@@ -3,9 +3,10 @@
 // It follows Woop et al. 2013. Edge functions are not fused, and zero counts as inside: a - b of two rounded products
 // has the right sign or is zero, and swapping the ends of an edge negates it exactly, so no ray passes between two
 // triangles with the same vertex bits (measured against fused forms: docs/watertightness.md). det = 0 is a miss. t is
-// clamped to the triangle's own extent along the ray, so that a sliver seen edge-on cannot report a hit outside of its
-// box.
+// clamped to where the ray is in the triangle's own box (see Extent and narrowed()).
 #pragma once
+
+#include <cfloat>
 
 #include "accel/ray_lanes.h"
 
@@ -26,6 +27,7 @@ OCCAM_ALWAYS_INLINE ShearedVertex shear(const RayLanes& ray, const VecLanes& ori
 struct TriangleHit {
     vmask is_hit;
     vfloat t;
+    vmask is_rough{false};  ///< t may be off by more than its own rounding (see narrowed())
 };
 
 /// Holds the edge functions of a triangle: u belongs to the vertex a (and is zero on b c), and so on.
@@ -49,8 +51,12 @@ OCCAM_ALWAYS_INLINE TriangleHit hit_inside(const RayLanes& ray, const EdgeFuncti
 {
     const vfloat det = (e.u + e.v) + e.w;
     const vfloat t = ((e.u * a.t + e.v * b.t) + e.w * c.t) / det;
-    const vfloat low = min(min(a.t, b.t), c.t), high = max(max(a.t, b.t), c.t);
-    return {andnot(inside, det == vfloat(0.0f)), ray.shift + min(max(t, low), high)};
+    const vfloat low = min(min(a.t, b.t), c.t), high = max(max(a.t, b.t), c.t), clamped = min(max(t, low), high);
+    // The edge functions are off by an ulp of x y each, and t by as large a share of its extent. Boxes allow for four ulps
+    // of t (accel/in_box.h), of which this may take two.
+    const vfloat x = max(max(abs(a.x), abs(b.x)), abs(c.x)), y = max(max(abs(a.y), abs(b.y)), abs(c.y));
+    const vmask is_rough = (x * y) * (high - low) * vfloat(1.5f) > abs(det) * abs(clamped);
+    return {andnot(inside, det == vfloat(0.0f)), ray.shift + clamped, is_rough};
 }
 
 OCCAM_ALWAYS_INLINE TriangleHit intersect(const RayLanes& ray, const ShearedVertex& a, const ShearedVertex& b,
@@ -60,6 +66,50 @@ OCCAM_ALWAYS_INLINE TriangleHit intersect(const RayLanes& ray, const ShearedVert
     const vmask inside = is_inside(e);
     if (none(inside)) return {inside, 0.0f};
     return hit_inside(ray, e, inside, a, b, c);
+}
+
+/// Holds where rays are in the box of a triangle, as far as its coordinates along kx and ky say; hit_inside() sees to those
+/// along kz. The error of t grows with the square of a sliver's length over its width, and a hit before or behind its box
+/// would be found or not depending on what was found earlier: that decides which boxes a ray enters. The bounds are
+/// computed as those of boxes are (accel/in_box.h), so they are within those of any box that holds the triangle.
+struct Extent {
+    vfloat low, high;
+
+    /// The coordinates of the corners and of the origin are along the ray's kx, ky, kz.
+    Extent(const RayLanes& ray, const VecLanes& origin, const VecLanes& a, const VecLanes& b, const VecLanes& c) noexcept
+        : low(-FLT_MAX), high(FLT_MAX)
+    {
+        narrow(min(min(a.x, b.x), c.x) - origin.x, max(max(a.x, b.x), c.x) - origin.x, ray.inverse[ray.kx]);
+        narrow(min(min(a.y, b.y), c.y) - origin.y, max(max(a.y, b.y), c.y) - origin.y, ray.inverse[ray.ky]);
+        low = ray.shift + low;
+        high = ray.shift + high;
+    }
+    vfloat narrowed(vfloat t) const noexcept { return min(max(t, low), high); }
+
+private:
+    void narrow(vfloat least, vfloat most, vfloat inverse) noexcept
+    {
+        // A ray along the planes of the axis may be there at any t.
+        const vmask crosses = abs(inverse) < vfloat(0.5f / kLeastDirection);
+        const vfloat first = least * inverse, last = most * inverse;
+        low = select(crosses, max(low, min(first, last)), low);
+        high = select(crosses, min(high, max(first, last)), high);
+    }
+};
+
+/// Returns the t of a hit, within the extent of the triangle where it is rough. corner(0) to corner(2) return the corners,
+/// which are read again: few hits are rough.
+template <class Corner>
+OCCAM_NEVER_INLINE vfloat narrowed_where_rough(const RayLanes& ray, const VecLanes& origin, const TriangleHit& hit,
+                                               const Corner& corner) noexcept
+{
+    return select(hit.is_rough, Extent(ray, origin, corner(0), corner(1), corner(2)).narrowed(hit.t), hit.t);
+}
+template <class Corner>
+OCCAM_ALWAYS_INLINE vfloat narrowed(const RayLanes& ray, const VecLanes& origin, const TriangleHit& hit,
+                                    const Corner& corner) noexcept
+{
+    return none(hit.is_hit & hit.is_rough) ? hit.t : narrowed_where_rough(ray, origin, hit, corner);
 }
 
 /// Holds the side of the edge from p to q on which the ray passes; on the edge the value is 0. It is computed as in

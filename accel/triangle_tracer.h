@@ -254,17 +254,20 @@ private:
         const std::uint32_t* faces = grid_.mesh().triangles.faces + block * std::uint32_t(kWidth);
         for (std::uint32_t k = 0; k < std::uint32_t(kWidth); ++k) {
             if (k > 0 && faces[k] == faces[k - 1]) break;  // only spare triangles follow
-            const auto vertex = [&](int p) {
+            const auto corner = [this, block, k](int p) {
                 const auto read = [&](int a) {
                     return read_.one(&blocks_[block].corners[p * 3 + axes_[a]][k], next_corners());
                 };
-                return shear(ray_, origin, {read(0), read(1), read(2)});
+                return VecLanes{read(0), read(1), read(2)};
             };
+            const auto vertex = [&](int p) { return shear(ray_, origin, corner(p)); };
             const TriangleHit hit = intersect(ray_, vertex(0), vertex(1), vertex(2));
-            unsigned lanes = bits(hit.is_hit & alive & (hit.t > span_.t_near) & (hit.t <= limit()));
+            if (none(hit.is_hit & alive)) continue;
+            const vfloat found = narrowed(ray_, origin, hit, corner);
+            unsigned lanes = bits(hit.is_hit & alive & (found > span_.t_near) & (found <= limit()));
             if (lanes == 0) continue;
             float t[kLanes];
-            hit.t.store(t);
+            found.store(t);
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int lane = std::countr_zero(lanes);
                 query_.offer(lane, t[lane], grid_, block * std::uint32_t(kWidth) + k);
@@ -290,20 +293,22 @@ private:
         count_tests(query_, kWidth);
         bool any_hit = false;
         for (int first = 0; first < kWidth; first += kLanes) {
-            const auto vertex = [&](int p) {
+            const auto corner = [this, &one, block, first](int p) {
                 const auto read = [&](int a) {
                     return one.read.many(&blocks_[block].corners[p * 3 + axes_[a]][first], next_corners());
                 };
-                return shear(one.ray, one.origin, {read(0), read(1), read(2)});
+                return VecLanes{read(0), read(1), read(2)};
             };
+            const auto vertex = [&](int p) { return shear(one.ray, one.origin, corner(p)); };
             const TriangleHit hit = intersect(one.ray, vertex(0), vertex(1), vertex(2));
             if (none(hit.is_hit)) continue;
+            const vfloat found = narrowed(one.ray, one.origin, hit, corner);
             const vfloat end = min(vfloat(query_.t_of(one.lane)), one.span.t_end);
-            unsigned lanes = bits(hit.is_hit & (hit.t > one.span.t_near) & (hit.t <= end));
+            unsigned lanes = bits(hit.is_hit & (found > one.span.t_near) & (found <= end));
             if (lanes == 0) continue;
             any_hit = true;
             float t[kLanes];
-            hit.t.store(t);
+            found.store(t);
             for (; lanes != 0; lanes &= lanes - 1) {
                 const int i = std::countr_zero(lanes);
                 query_.offer(one.lane, t[i], grid_, block * std::uint32_t(kWidth) + std::uint32_t(first + i));
