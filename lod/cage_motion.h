@@ -52,6 +52,9 @@ public:
     /// Returns a lower bound, seen from the eye, on the distance across the line of sight that each point of the cage moves
     /// per shutter, at each moment of the shutter. It is 0 if some point may stand still or nothing is known.
     double least_distance_across(Vec3d eye) const;
+    /// Returns an estimate of the least radius with which the surface bends, in world length, from the cage without its pose
+    /// and the least scale of its node.
+    double least_radius() const;
     /// Makes the cage at the keys of a motion of so many segments. All keys are copies of `still`, in the same dicing frame.
     PosedCage& make_keys(const PosedCage& still, int segments, const PosingTools& tools) const;
     /// Returns the segments of the scene's shutter in groups in which a cage that moves in so many segments has about the

@@ -96,17 +96,36 @@ TEST(MotionTolerance, IsThatOfTheEyeWhereItIsNearestWhileTheShutterIsOpen)
 
 TEST(MotionDetail, FollowsTheDistanceMovedAcrossTheLineOfSight)
 {
+    Cage square;  // flat, so that long edges cut nothing off
+    square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+    square.face_vertices = {0, 1, 2, 3};
+    square.face_sizes = {4};
     for (const bool is_written : {false, true}) {
-        const double across = of_torus(sliding({10, 0, 0}, is_written),
-                                       [](const lod::CageMotion& m) { return m.least_distance_across(kEye); });
+        const auto of_square = [&](auto&& what) {
+            Scene scene;
+            return of_cage(scene, square, sliding({10, 0, 0}, is_written), what);
+        };
+        const double across = of_square([](const lod::CageMotion& m) { return m.least_distance_across(kEye); });
         EXPECT_LE(across, 10);
         EXPECT_GT(across, 7);  // the lines of sight differ by up to a sixth
-        const int level = of_torus(sliding({10, 0, 0}, is_written),
-                                   [](const lod::CageMotion& m) { return lod::level_of_motion(seen_from_afar(16), m); });
+        const int level = of_square([](const lod::CageMotion& m) { return lod::level_of_motion(seen_from_afar(16), m); });
         const double longest = lod::LevelSettings::kLongestEdge * across / 16;
         EXPECT_LE(lod::edge_length(level), longest);
         EXPECT_GT(lod::edge_length(level + 1), longest);
     }
+}
+
+// The tube of the torus is thinner than a pixel, and a chord of a pixel would cut off much of it.
+TEST(MotionDetail, OfThinCagesIsThatOfStillOnes)
+{
+    const double pixel_edge = lod::LevelSettings::kLongestEdge * 0.01 * 40;
+    const auto edge = [](const lod::CageMotion& m) { return lod::edge_length(lod::level_of_motion(seen_from_afar(1), m)); };
+    EXPECT_LT(of_torus(sliding({10, 0, 0}, false), edge), 0.5 * pixel_edge);
+    Cage large = torus();
+    for (Vec3f& p : large.positions) p *= 8.0f;
+    Scene scene;
+    EXPECT_GE(of_cage(scene, large, sliding({10, 0, 0}, false), edge), 4 * of_torus(sliding({10, 0, 0}, false), edge))
+        << "but not that of thick ones";
 }
 
 TEST(MotionDetail, IsFullWhereAPointMayStandStillInThePicture)
