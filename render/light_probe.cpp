@@ -22,10 +22,13 @@ constexpr float kLeastRadiance = 0.02f / 3.14159265f;
 constexpr float kLeastShare = 0.05f;
 // This share of what is seen, without the emissive surfaces themselves, has to be lit.
 constexpr double kLeastLit = 0.25;
+// So many pixels along and across are judged by the mean of their samples: rays find surfaces that emit light and are not
+// sampled, such as those that move, by chance alone.
+constexpr int kBlock = 4;
 
-// Holds what a sample of the small picture shows, by luminance.
+// Holds what a sample of the small picture shows, by luminance, or the sum of several.
 struct Glimpse {
-    float alpha, reflected, emitted, color;
+    float alpha = 0, reflected = 0, emitted = 0, color = 0;
     bool is_subject() const noexcept { return alpha > 0 && emitted <= kLeastRadiance && std::isfinite(reflected); }
 };
 
@@ -85,10 +88,30 @@ std::vector<Glimpse> small_picture(const FrameInputs& in, const FrameScale& scal
     return glimpses;
 }
 
+// Returns the sums of what is seen beside the emissive surfaces, for each block of pixels.
+std::vector<Glimpse> blocks_of(const std::vector<Glimpse>& glimpses, int columns)
+{
+    const auto width = static_cast<std::size_t>(columns), across = (width + kBlock - 1) / kBlock;
+    const std::size_t rows = glimpses.size() / (width * kSamples);
+    std::vector<Glimpse> blocks(across * ((rows + kBlock - 1) / kBlock));
+    for (std::size_t i = 0; i < glimpses.size(); ++i) {
+        const Glimpse& g = glimpses[i];
+        if (!g.is_subject()) continue;
+        const std::size_t pixel = i / kSamples;
+        Glimpse& block = blocks[pixel / width / kBlock * across + pixel % width / kBlock];
+        block.alpha += g.alpha;
+        block.reflected += g.reflected;
+        block.color += g.color;
+    }
+    return blocks;
+}
+
 bool is_lit(const FrameInputs& in, const FrameScale& scale, const shade::FrameLights& lights)
 {
     std::vector<Glimpse> glimpses;
+    int columns_seen = 0;
     for (const int columns : kColumns) {
+        columns_seen = columns;
         glimpses = small_picture(in, scale, lights, columns);
         const auto subject = std::count_if(glimpses.begin(), glimpses.end(),
                                            [](const Glimpse& g) { return g.is_subject(); });
@@ -104,10 +127,9 @@ bool is_lit(const FrameInputs& in, const FrameScale& scale, const shade::FrameLi
     const float brightness = seen > 0 ? maths::exp(static_cast<float>(logs / seen)) : 0;
     const float least = std::max(kLeastRadiance, kLeastShare * std::min(brightness, 1.0f));
     double subject = 0, lit = 0;
-    for (const Glimpse& g : glimpses) {
-        if (!g.is_subject()) continue;
-        subject += double(g.alpha);
-        if (g.reflected >= least * std::max(g.color, 0.05f * g.alpha)) lit += double(g.alpha);
+    for (const Glimpse& block : blocks_of(glimpses, columns_seen)) {
+        subject += double(block.alpha);
+        if (block.reflected >= least * std::max(block.color, 0.05f * block.alpha)) lit += double(block.alpha);
     }
     return lit >= kLeastLit * subject;
 }

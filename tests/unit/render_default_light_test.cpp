@@ -65,6 +65,28 @@ TEST(DefaultLight, StaysAwayWhereALampLightsWhatIsSeen)
     EXPECT_LT(seen.middle, 1.0f);
 }
 
+// Surfaces that move, and cages, are not sampled: rays find them by chance, and few of the samples of a pixel do.
+TEST(DefaultLight, StaysAwayWhereTheLampMovesOrIsACage)
+{
+    for (const bool moves : {true, false}) {
+        Scene scene;
+        add_square(scene, {0, 0, 0}, 3, Vec3f(0.8f), 0);
+        add_square(scene, {0, 2, 2.5f}, 0.7f, Vec3f(0), 5);
+        const NodeId lamp = scene.node(scene.root()).children.back();
+        if (moves) {
+            scene.record_shutter(1, [&](double tau) { scene.set_transform(lamp, Trs{.translation = {1e-4 * tau, 0, 0}}); });
+        } else {
+            const CageId id = scene.node(lamp).cages.front();
+            Cage cage = scene.cage(id).cage;
+            cage.scheme = Scheme::Bilinear;
+            cage.face_vertices = {0, 1, 2, 3};
+            cage.face_sizes = {4};
+            scene.replace(id, std::move(cage));
+        }
+        EXPECT_FALSE(render(scene, {0, 9, 0.01}).has_default) << moves;
+    }
+}
+
 TEST(DefaultLight, IsForcedOrForbiddenBySettings)
 {
     Scene scene;
