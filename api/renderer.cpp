@@ -248,7 +248,7 @@ const Image& Job::image() const
 Image Job::take_image()
 {
     state_->wait_and_throw();
-    return std::move(state_->image);
+    return std::exchange(state_->image, {});
 }
 
 const std::string& Job::checkpoint() const

@@ -322,6 +322,7 @@ private:
                 }
             }
             if (sum == 0) cage_.skin.weights[v] = Vec4f(1, 0, 0, 0), sum = 1, ++count;
+            if (std::abs(sum - 1) < 1e-6) continue;  // so that a cage that was mended stays as it is
             for (int s = 0; s < cage_.skin.sets; ++s) {
                 Vec4f& w = cage_.skin.weights[std::size_t(s) * vertices + v];
                 w = Vec4f(Vec4d(w) / sum);
@@ -334,8 +335,10 @@ private:
     {
         if (!cage_.displacement) return;
         const Displacement& d = *cage_.displacement;
-        const bool is_good = std::abs(d.scale) <= kMaxCoordinate && std::abs(d.midlevel) <= kMaxCoordinate && d.bound >= 0 &&
-                             d.bound <= kMaxCoordinate;
+        const TextureUse& use = d.texture;
+        const bool is_placed = is_finite(use.offset) && is_finite(use.scale) && std::isfinite(use.rotation);
+        const bool is_good = is_placed && std::abs(d.scale) <= kMaxCoordinate && std::abs(d.midlevel) <= kMaxCoordinate &&
+                             d.bound >= 0 && d.bound <= kMaxCoordinate;
         if (is_good) {
             if (cage_.scheme == Scheme::Triangles) report(1, "displacement is not rendered: it is a mesh of triangles");
             else if (d.texture.uv_set < 0 || static_cast<std::size_t>(d.texture.uv_set) >= cage_.uv_sets.size())
@@ -343,7 +346,7 @@ private:
             return;
         }
         cage_.displacement.reset();
-        report(1, "displacement dropped: it is not finite, or its bound negative");
+        report(1, "displacement dropped: it or its texture's transform is not finite, or its bound negative");
     }
 
     Cage& cage_;

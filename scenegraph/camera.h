@@ -10,7 +10,8 @@ namespace occam {
 /// Holds the properties of a camera node. The camera looks along its node's -z axis, and y points up.
 struct CameraLens {
     float fov = 0.69f;  ///< full vertical angle in radians, perspective only
-    float aspect = 0;   ///< width over height; 0: the image's own ratio
+    /// Width over height of the picture that it is meant for, 0 if any. A picture has the ratio of its own size.
+    float aspect = 0;
     bool orthographic = false;
     float height = 2;  ///< full height in world units, orthographic only
     float radius = 0;  ///< radius of the thin lens in world units; 0: a pinhole, and everything is sharp

@@ -45,6 +45,7 @@ void check_use(const Rules& rules, const TextureUse& use)
 {
     for (const float v : {use.offset.x, use.offset.y, use.scale.x, use.scale.y, use.rotation})
         rules.finite(v, "the transform of a texture");
+    rules.require(use.uv_set == 0 || use.uv_set == 1, "the set of texture coordinates of a texture", "0 or 1");
 }
 
 }  // namespace

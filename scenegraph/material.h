@@ -16,7 +16,7 @@ struct TextureUse {
     enum class Wrap : unsigned char { Repeat, Clamp, Mirror };
 
     TextureId texture;  ///< none: only the factor beside it counts
-    int uv_set = 0;
+    int uv_set = 0;     ///< 0 or 1; a displacement may use any that the cage has
     Vec2f offset{0}, scale{1};
     float rotation = 0;  ///< radians, counter-clockwise about the origin of st (KHR_texture_transform)
     Wrap wrap_s = Wrap::Repeat, wrap_t = Wrap::Repeat;

@@ -251,6 +251,12 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
                                  std::to_string(positions.size()) + " for " + std::to_string(record.cage.positions.size()));
     for (Vec3f p : positions)
         if (!is_usable(p)) throw error_without_file("a position is not finite, or beyond 1e16", record.cage.name);
+    // The positions may be the cage's own: at a key of its shutter, which is dropped now, or those that are written.
+    std::vector<Vec3f> own;
+    if (!record.key_positions.empty() || positions.data() == record.cage.positions.data()) {
+        own.assign(positions.begin(), positions.end());
+        positions = own;
+    }
     state_->about_to_write(id, record);
     // The bounds of a cage that is deformed need memory, which may be missing.
     std::vector<Vec3f> before;
