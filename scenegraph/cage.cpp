@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "base/error_without_file.h"
 #include "scenegraph/cage_creases.h"

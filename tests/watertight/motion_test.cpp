@@ -157,7 +157,7 @@ TEST(MovingCages, LetNoRayOutWhereMotionMakesThemCoarser)
     }
     EXPECT_EQ(escaped, 0u) << "of " << rays.size();
     // Chords of an edge of full detail, 0.057, may cut off a twentieth of that where the tube bends most, with a radius of
-    // 0.07 to 0.14: they are 0.04 to 0.056 long. Without this bound rays would see levels down to -8.
+    // 0.07 to 0.14: they are 0.04 to 0.056 long. Rays ask for edges down to 2^-8.
     EXPECT_EQ(finest, -5);
 }
 
