@@ -6,22 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "scenegraph/cage_faces.h"
+
 namespace occam::lod {
-namespace {
-
-// Calls visit(corners) for each face, where corners are the indices of its vertices in order.
-template <class Visit>
-void for_faces(const Cage& cage, Visit&& visit)
-{
-    std::size_t at = 0;
-    for (std::size_t f = 0; f < cage.face_count(); ++f) {
-        const std::size_t size = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[f];
-        visit(std::span(cage.face_vertices).subspan(at, size));
-        at += size;
-    }
-}
-
-}  // namespace
 
 double least_radius_of_curvature(const Cage& cage)
 {
@@ -29,7 +16,7 @@ double least_radius_of_curvature(const Cage& cage)
     constexpr double kLimit = 2.0 / 3;
     std::vector<Vec3d> normals(cage.positions.size(), Vec3d(0));
     const auto position = [&](std::uint32_t v) { return Vec3d(cage.positions[v]); };
-    for_faces(cage, [&](std::span<const std::uint32_t> face) {
+    for_each_face(cage, [&](std::span<const std::uint32_t> face, std::size_t) {
         Vec3d area(0);
         for (std::size_t c = 2; c < face.size(); ++c)
             area += glm::cross(position(face[c - 1]) - position(face[0]), position(face[c]) - position(face[0]));
@@ -38,7 +25,7 @@ double least_radius_of_curvature(const Cage& cage)
     for (Vec3d& normal : normals)
         if (const double length = glm::length(normal); length > 0) normal /= length;
     double curvature = 0;
-    for_faces(cage, [&](std::span<const std::uint32_t> face) {
+    for_each_face(cage, [&](std::span<const std::uint32_t> face, std::size_t) {
         for (std::size_t c = 0; c < face.size(); ++c) {
             const std::uint32_t from = face[c], to = face[c + 1 < face.size() ? c + 1 : 0];
             const Vec3d edge = position(to) - position(from);

@@ -268,7 +268,7 @@ int level_of_motion(const LevelSettings& settings, const CageMotion& motion)
 {
     constexpr float kMostPixels = 4;
     // A chord d of an arc of radius r lies inside of it by d^2 / 8 r. Motion hides that nowhere where a surface slides along
-    // its own silhouette, so it is at most this part of a pixel.
+    // its own silhouette, so it is at most this part of an edge of full detail.
     constexpr double kMostCutOff = 0.05;
     if (settings.strata <= 0) return kFinestLevel;
     const auto moved = static_cast<float>(motion.least_distance_across(settings.eye) / settings.strata);

@@ -6,6 +6,8 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "scenegraph/cage_faces.h"
+
 namespace occam {
 
 namespace {
@@ -15,17 +17,6 @@ constexpr std::uint32_t kNone = ~0u;
 std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) noexcept
 {
     return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
-}
-
-/// Calls visit(face, first) for the vertices of each face; `first` is the number of its first corner.
-template <class Visit>
-void for_each_face(const Cage& cage, Visit&& visit)
-{
-    std::size_t at = 0;
-    for (const std::uint32_t size : cage.face_sizes) {
-        visit(std::span(cage.face_vertices).subspan(at, size), at);
-        at += size;
-    }
 }
 
 /// Finds what lies across the edges at the vertices of creases.

@@ -4,19 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "scenegraph/cage_faces.h"
+
 namespace occam {
 namespace {
-
-/// Calls visit(corners) with the vertices of each face.
-template <class Visit>
-void for_each_face(const Cage& cage, Visit&& visit)
-{
-    std::size_t first = 0;
-    for (const std::uint32_t size : cage.face_sizes) {
-        visit(std::span<const std::uint32_t>(cage.face_vertices).subspan(first, size));
-        first += size;
-    }
-}
 
 /// What is around a vertex.
 struct Around {
@@ -28,7 +19,7 @@ struct Around {
 std::vector<Around> look_around(const Cage& cage)
 {
     std::vector<Around> all(cage.positions.size());
-    for_each_face(cage, [&](std::span<const std::uint32_t> corners) {
+    for_each_face(cage, [&](std::span<const std::uint32_t> corners, std::size_t) {
         std::uint32_t before = corners.back();
         for (std::size_t c = 0; c < corners.size(); ++c) {
             Around& at = all[corners[c]];
@@ -64,7 +55,7 @@ std::size_t count_edges(const Cage& cage)
 {
     std::vector<std::uint64_t> edges;
     edges.reserve(cage.face_vertices.size());
-    for_each_face(cage, [&](std::span<const std::uint32_t> corners) {
+    for_each_face(cage, [&](std::span<const std::uint32_t> corners, std::size_t) {
         for (std::size_t c = 0; c < corners.size(); ++c) {
             const auto [a, b] = std::minmax(corners[c], corners[(c + 1) % corners.size()]);
             edges.push_back(std::uint64_t(a) << 32 | b);
@@ -89,7 +80,7 @@ std::size_t most_derived_points(const Cage& cage)
         large += static_cast<std::size_t>(
             std::ranges::count_if(around, [](const Around& at) { return at.faces >= kLargeFrom; }));
         takes = large > 0;
-        for_each_face(cage, [&](std::span<const std::uint32_t> corners) {
+        for_each_face(cage, [&](std::span<const std::uint32_t> corners, std::size_t) {
             takes = takes || may_take_points(around, corners, !cage.creases.empty());
         });
     }

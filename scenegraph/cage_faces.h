@@ -1,0 +1,22 @@
+// Visits the faces of cages.
+#pragma once
+
+#include <span>
+
+#include "scenegraph/cage.h"
+
+namespace occam {
+
+/// Calls visit(face, first) with the vertices of each face of a cage that is not a mesh of triangles; `first` is the number
+/// of its first corner.
+template <class Visit>
+void for_each_face(const Cage& cage, Visit&& visit)
+{
+    std::size_t first = 0;
+    for (const std::uint32_t size : cage.face_sizes) {
+        visit(std::span<const std::uint32_t>(cage.face_vertices).subspan(first, size), first);
+        first += size;
+    }
+}
+
+}  // namespace occam
