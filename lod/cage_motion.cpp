@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "lod/cage_curvature.h"
-
 namespace occam::lod {
 namespace {
 
@@ -191,12 +189,12 @@ double CageMotion::least_distance_across(Vec3d eye) const
     return std::isfinite(least) ? std::max(0.0, least * segments_) : 0;
 }
 
-double CageMotion::least_radius() const
+double CageMotion::least_radius(const CageCurvature& curvature) const
 {
     double scale = std::numeric_limits<double>::infinity();
     for (const Mat4d& world : world_)
         for (int axis = 0; axis < 3; ++axis) scale = std::min(scale, glm::length(Vec3d(world[axis])));
-    return scale * least_radius_of_curvature(slot_.cage);
+    return scale * curvature.least_radius(slot_.cage);
 }
 
 double CageMotion::deviation(int key, int before, int after) const
@@ -264,7 +262,7 @@ double largest_motion_tolerance(const LevelSettings& settings, const Box3d& worl
     return tolerance_of(settings, edge_at(settings, farthest), world.radius());
 }
 
-int level_of_motion(const LevelSettings& settings, const CageMotion& motion)
+int level_of_motion(const LevelSettings& settings, const CageMotion& motion, const CageCurvature& curvature)
 {
     constexpr float kMostPixels = 4;
     // A chord d of an arc of radius r lies inside of it by d^2 / 8 r. Motion hides that nowhere where a surface slides along
@@ -275,7 +273,8 @@ int level_of_motion(const LevelSettings& settings, const CageMotion& motion)
     const float nearest = nearest_edge(settings, motion.world_box());
     float edge = std::min(settings.target_edge({moved, 0}).a, kMostPixels * nearest);
     if (edge > nearest)
-        edge = std::min(edge, static_cast<float>(std::sqrt(8 * kMostCutOff * double(nearest) * motion.least_radius())));
+        edge = std::min(edge,
+                        static_cast<float>(std::sqrt(8 * kMostCutOff * double(nearest) * motion.least_radius(curvature))));
     // The level l whose edges d_l are at most as long; ceil_log2() would round up.
     return edge > 0 && std::isfinite(edge) ? std::clamp(-ceil_log2(1 / edge), kFinestLevel, kCoarsestLevel) : kFinestLevel;
 }

@@ -54,7 +54,7 @@ public:
     double least_distance_across(Vec3d eye) const;
     /// Returns an estimate of the least radius with which the surface bends, in world length, from the cage without its pose
     /// and the least scale of its node.
-    double least_radius() const;
+    double least_radius(const CageCurvature& curvature) const;
     /// Makes the cage at the keys of a motion of so many segments. All keys are copies of `still`, in the same dicing frame.
     PosedCage& make_keys(const PosedCage& still, int segments, const PosingTools& tools) const;
     /// Returns the segments of the scene's shutter in groups in which a cage that moves in so many segments has about the
@@ -113,6 +113,6 @@ double largest_motion_tolerance(const LevelSettings& settings, const Box3d& worl
 /// Returns the level that is fine enough for a cage that moves so fast: its edges are as long as the least distance that a
 /// point of it moves across the picture in one of LevelSettings::strata, but no more than four pixels where the cage is
 /// nearest to the camera. Returns kFinestLevel if motion makes nothing coarser.
-int level_of_motion(const LevelSettings& settings, const CageMotion& motion);
+int level_of_motion(const LevelSettings& settings, const CageMotion& motion, const CageCurvature& curvature);
 
 }  // namespace occam::lod

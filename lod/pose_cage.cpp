@@ -24,7 +24,7 @@ PosedCage& named_cage(const CagePlacement& placement, const CageMotion& motion, 
     cage.lit_by = placement.lit_by;
     cage.visible_in = placement.visible_in;
     cage.path = placement.path;
-    if (motion.moves() && cage.topology) cage.least_level = level_of_motion(levels, motion);
+    if (motion.moves() && cage.topology) cage.least_level = level_of_motion(levels, motion, tools.tables.curvature);
     return cage;
 }
 

@@ -106,6 +106,7 @@ const CageTables& TopologyCache::get(const CageSlot& asked)
         if (tables.topology) *tables.clusters = ClusterTree(slot.cage);
         else tables.clusters->refit(slot.cage);
         tables.deformed_clusters.reset();
+        tables.curvature.forget();
     }
     if (slot.is_deformed() && !tables.deformed_clusters)
         tables.deformed_clusters = std::make_unique<DeformedClusters>(slot.cage, *tables.clusters);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 
+#include "lod/cage_curvature.h"
 #include "lod/clusters.h"
 #include "lod/deformed_clusters.h"
 #include "lod/topology.h"
@@ -21,6 +22,7 @@ struct CageTables {
     std::shared_ptr<const Topology> topology;  ///< null for Scheme::Triangles
     std::unique_ptr<ClusterTree> clusters;
     std::unique_ptr<DeformedClusters> deformed_clusters;  ///< null if no skin and no morph target deforms the cage
+    CageCurvature curvature;
 };
 
 class TopologyCache {

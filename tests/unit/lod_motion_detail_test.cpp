@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "lod/cage_motion.h"
 #include "lod/pose_cage.h"
@@ -26,6 +28,11 @@ lod::LevelSettings seen_from_afar(int strata)
     levels.pixel = {0, 0.01f};  // a pixel is 0.4 wide where the cage is
     levels.strata = strata;
     return levels;
+}
+
+int level_seen_from_afar(int strata, const lod::CageMotion& motion)
+{
+    return lod::level_of_motion(seen_from_afar(strata), motion, lod::CageCurvature());
 }
 
 // Calls what(motion) for a cage that moves so.
@@ -108,7 +115,7 @@ TEST(MotionDetail, FollowsTheDistanceMovedAcrossTheLineOfSight)
         const double across = of_square([](const lod::CageMotion& m) { return m.least_distance_across(kEye); });
         EXPECT_LE(across, 10);
         EXPECT_GT(across, 7);  // the lines of sight differ by up to a sixth
-        const int level = of_square([](const lod::CageMotion& m) { return lod::level_of_motion(seen_from_afar(16), m); });
+        const int level = of_square([](const lod::CageMotion& m) { return level_seen_from_afar(16, m); });
         const double longest = lod::LevelSettings::kLongestEdge * across / 16;
         EXPECT_LE(lod::edge_length(level), longest);
         EXPECT_GT(lod::edge_length(level + 1), longest);
@@ -119,13 +126,27 @@ TEST(MotionDetail, FollowsTheDistanceMovedAcrossTheLineOfSight)
 TEST(MotionDetail, OfThinCagesIsThatOfStillOnes)
 {
     const double pixel_edge = lod::LevelSettings::kLongestEdge * 0.01 * 40;
-    const auto edge = [](const lod::CageMotion& m) { return lod::edge_length(lod::level_of_motion(seen_from_afar(1), m)); };
+    const auto edge = [](const lod::CageMotion& m) { return lod::edge_length(level_seen_from_afar(1, m)); };
     EXPECT_LT(of_torus(sliding({10, 0, 0}, false), edge), 0.5 * pixel_edge);
     Cage large = torus();
     for (Vec3f& p : large.positions) p *= 8.0f;
     Scene scene;
     EXPECT_GE(of_cage(scene, large, sliding({10, 0, 0}, false), edge), 4 * of_torus(sliding({10, 0, 0}, false), edge))
         << "but not that of thick ones";
+}
+
+TEST(MotionDetail, FollowsTheCageWhereItsVerticesAreWritten)
+{
+    Scene scene;
+    const CageSlot& slot = scene.cage(scene.add(torus()));
+    lod::TopologyCache topologies;
+    const auto radius = [&] { return topologies.get(slot).curvature.least_radius(slot.cage); };
+    const double before = radius();
+    EXPECT_EQ(before, lod::least_radius_of_curvature(slot.cage));
+    std::vector<Vec3f> larger = slot.cage.positions;
+    for (Vec3f& p : larger) p *= 8.0f;
+    scene.write_vertices(slot.id, larger);
+    EXPECT_NEAR(radius(), 8 * before, 1e-9 * before);
 }
 
 TEST(MotionDetail, IsFullWhereAPointMayStandStillInThePicture)
@@ -138,9 +159,8 @@ TEST(MotionDetail, IsFullWhereAPointMayStandStillInThePicture)
             all.push_back(std::move(motion));
     EXPECT_EQ(all.size(), 7u);
     for (const Motion& motion : all)
-        of_torus(motion, [&](const lod::CageMotion& m) {
-            EXPECT_EQ(lod::level_of_motion(seen_from_afar(1), m), lod::kFinestLevel) << motion.name;
-        });
+        of_torus(motion,
+                 [&](const lod::CageMotion& m) { EXPECT_EQ(level_seen_from_afar(1, m), lod::kFinestLevel) << motion.name; });
 }
 
 // A displacement that is longer than its cage is wide turns with the normals: some points go back by as much as the cage
@@ -166,7 +186,7 @@ TEST(MotionDetail, IsNoCoarserThanFourPixelsAndNeedsToKnowTheSamples)
     const auto level = [&](int strata) {
         return of_torus(sliding({500, 0, 0}, false), [&](const lod::CageMotion& m) {
             EXPECT_EQ(m.least_distance_across(Vec3d(0, 0, 1)), 0) << "the eye is too near";
-            return lod::level_of_motion(seen_from_afar(strata), m);
+            return level_seen_from_afar(strata, m);
         });
     };
     EXPECT_EQ(level(0), lod::kFinestLevel);
