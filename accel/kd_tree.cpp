@@ -17,9 +17,11 @@ constexpr float kEmptyBonus = 0.8f;   // factor of the cost of a split that cuts
 constexpr float kLeastCut = 0.25f;    // the share of a side that is cut off with the bonus; thin slices cost depth
 constexpr int kSteps = 32;
 
+}  // namespace
+
 /// Measures a box by a unit near its longest side, a power of two. Areas then neither overflow nor underflow, and a plane
 /// can be found in every box whose sides are finite.
-class BoxMeasure {
+class KdTree::BoxMeasure {
 public:
     explicit BoxMeasure(const Box3f& box) noexcept : extent(box.extent())
     {
@@ -47,8 +49,6 @@ public:
 private:
     float unit_ = 0, cap_[3]{}, girth_[3]{};
 };
-
-}  // namespace
 
 KdTree::KdTree(Items& items, Arena& arena, TraceCounters& counters, bool may_scan, Building* building)
     : arena_(arena),
@@ -121,41 +121,58 @@ KdTree::Split KdTree::scanned_split(const Box3f& box) const
     return best;
 }
 
+template <int kVectors>
+void KdTree::try_planes(const Box3f& box, const BoxMeasure& measure, int axis, std::size_t first, Split& best) const
+{
+    // Each candidate is read once for all these planes.
+    vfloat position[kVectors], below[kVectors], above[kVectors];
+    for (int v = 0; v < kVectors; ++v) {
+        position[v] = vfloat::load(&planes_[first + static_cast<std::size_t>(v) * kLanes]);
+        below[v] = above[v] = 0.0f;
+    }
+    for (const Candidate& c : candidates_) {
+        const vfloat low = c.box.lo[axis], high = c.box.hi[axis], cost = c.cost;
+        for (int v = 0; v < kVectors; ++v) {
+            below[v] = below[v] + select(low < position[v], cost, vfloat(0.0f));
+            above[v] = above[v] + select(high > position[v], cost, vfloat(0.0f));
+        }
+    }
+    const vfloat least = kLeastCut * measure.extent[axis];
+    for (int v = 0; v < kVectors; ++v) {
+        const vfloat length_below = position[v] - vfloat(box.lo[axis]), length_above = vfloat(box.hi[axis]) - position[v];
+        const vfloat sum = measure.area_of(axis, length_below) * below[v] + measure.area_of(axis, length_above) * above[v];
+        vfloat cost = kTraversalCost + sum / measure.area;
+        const vmask cuts = ((below[v] == 0.0f) & (length_below >= least)) | ((above[v] == 0.0f) & (length_above >= least));
+        cost = select(cuts, cost * kEmptyBonus, cost);
+        if (none(cost < best.cost)) continue;
+        float costs[kLanes];
+        cost.store(costs);
+        for (std::size_t lane = 0; lane < kLanes; ++lane)
+            if (costs[lane] < best.cost)
+                best = {axis, planes_[first + static_cast<std::size_t>(v) * kLanes + lane], costs[lane]};
+    }
+}
+
 KdTree::Split KdTree::counted_split(const Box3f& box)
 {
     Split best;
     const BoxMeasure measure(box);
-    const float area = measure.area;
     for (const Candidate& c : candidates_) best.cost += c.cost;  // the cost without a split
     // No split costs less than passing its plane.
-    if (!(area > 0) || best.cost <= kTraversalCost * kEmptyBonus) return best;
+    if (!(measure.area > 0) || best.cost <= kTraversalCost * kEmptyBonus) return best;
     for (int axis = 0; axis < 3; ++axis) {
         planes_.clear();
         for (const Candidate& c : candidates_)
             for (const float position : {c.box.lo[axis], c.box.hi[axis]})
                 if (position > box.lo[axis] && position < box.hi[axis]) planes_.push_back(position);
-        const std::size_t count = planes_.size();
-        if (count == 0) continue;
-        planes_.resize((count + kLanes - 1) / kLanes * kLanes, planes_.back());
-        for (std::size_t p = 0; p < count; p += kLanes) {
-            const vfloat position = vfloat::load(&planes_[p]);
-            vfloat below = 0.0f, above = 0.0f;
-            for (const Candidate& c : candidates_) {
-                below = below + select(vfloat(c.box.lo[axis]) < position, vfloat(c.cost), vfloat(0.0f));
-                above = above + select(vfloat(c.box.hi[axis]) > position, vfloat(c.cost), vfloat(0.0f));
-            }
-            const vfloat area_below = measure.area_of(axis, position - vfloat(box.lo[axis])),
-                         area_above = measure.area_of(axis, vfloat(box.hi[axis]) - position);
-            vfloat cost = kTraversalCost + (area_below * below + area_above * above) / area;
-            const vfloat least = kLeastCut * measure.extent[axis];
-            cost = select(((below == 0.0f) & (position - vfloat(box.lo[axis]) >= least)) |
-                              ((above == 0.0f) & (vfloat(box.hi[axis]) - position >= least)),
-                          cost * kEmptyBonus, cost);
-            if (none(cost < best.cost)) continue;
-            float costs[kLanes];
-            cost.store(costs);
-            for (std::size_t lane = 0; lane < kLanes; ++lane)
-                if (costs[lane] < best.cost) best = {axis, planes_[p + lane], costs[lane]};
+        if (planes_.empty()) continue;
+        planes_.resize((planes_.size() + kLanes - 1) / kLanes * kLanes, planes_.back());
+        for (std::size_t p = 0; p < planes_.size();) {
+            const std::size_t vectors = (planes_.size() - p) / kLanes;
+            if (vectors >= 4) try_planes<4>(box, measure, axis, p, best);
+            else if (vectors >= 2) try_planes<2>(box, measure, axis, p, best);
+            else try_planes<1>(box, measure, axis, p, best);
+            p += (vectors >= 4 ? 4 : vectors >= 2 ? 2 : 1) * kLanes;
         }
     }
     return best;
@@ -279,7 +296,7 @@ KdLeaf* KdTree::expand(std::uint32_t n, int pair)
         split = best_split(record.box);
         if (split.axis >= 0) break;
         // Boxes may overlap so that no plane pays, for instance on displaced surfaces. Many items are then opened at once.
-        const std::size_t wanted = candidates_.size() > kMany ? candidates_.size() * 3 / 2 : 0;
+        const std::size_t wanted = candidates_.size() * 3 / 2;
         if (!candidates_.open_largest(Candidates::kAnyEffort)) break;
         while (candidates_.size() < wanted && candidates_.open_largest(Candidates::kAnyEffort)) {
         }

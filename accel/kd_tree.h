@@ -80,6 +80,7 @@ public:
     }
 
 private:
+    class BoxMeasure;
     struct Record {
         Box3f box;
         std::span<const ItemIndex> items;
@@ -111,6 +112,9 @@ private:
     // Tries the planes at the faces of boxes: counted_split() tests each against all boxes, and swept_split() goes through
     // them in sorted order, which is faster for many boxes.
     Split counted_split(const Box3f& box);
+    /// Tries as many vectors of planes_, from one of them on, and keeps the best split.
+    template <int kVectors>
+    void try_planes(const Box3f& box, const BoxMeasure& measure, int axis, std::size_t first, Split& best) const;
     Split swept_split(const Box3f& box);
     // Tries planes at fixed steps.
     Split scanned_split(const Box3f& box) const;

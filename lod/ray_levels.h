@@ -102,24 +102,9 @@ public:
         const F of_one(settings_->overlap_ulps * 0x1p-24f), pushed_by = F(256 * settings_->displaced) + focus_;
         ulps_of_edge_ = select(grows_, per_slope * of_one, F(0.0f));
         ulps_of_all_ = (select(grows_, F(0.0f), F(0.0f) - a_ * per_slope) + pushed_by) * of_one;
-        const F low = -kFar, high = kFar;
-        F previous = select(grows_, low, high);
-        for (int at = finest; at <= coarsest + 1; ++at) {
-            const F d = edge_length(at);
-            const F ideal = min(max((d - a_) * per_slope, low), high);
-            const F length = margin(at - 1) + margin(at - 1);
-            const F pushed = select(grows_, max(ideal, previous + length), min(ideal, previous - length));
-            // There is no transition before the ray's start, past its end, below the finest pair of a lane, or above its
-            // coarsest one: a lane has the same table whatever pairs the others have.
-            const Mask is_finest = d <= finest_edge_, is_beyond = d > coarsest_edge_;
-            const Mask none_before = (pushed <= F(0.0f)) | (grows_ & is_finest);
-            const Mask none_after = andnot((pushed >= t_end_) | is_finest, grows_);
-            raw_[at - finest] = pushed;
-            const F edge = select(none_after, high, select(none_before, low, pushed));
-            edge_[at - finest] = select(is_beyond, select(grows_, high, low), edge);
-            previous = select(grows_, select(none_before, low, pushed), select(none_after, high, pushed));
-        }
-        if (any(start_ > F(0.0f))) make_from_start(per_slope);
+        const Mask has_start = start_ > F(0.0f);
+        if (any(andnot(Mask(true), has_start))) make_from_origin(per_slope);
+        if (any(has_start)) make_from_start(per_slope);
         F before = overlap(finest);
         for (int pair = finest; pair <= coarsest; ++pair) {
             const int i = pair - finest;
@@ -198,7 +183,28 @@ private:
     static int level_of(float edge) noexcept { return static_cast<int>(std::bit_cast<std::uint32_t>(edge) >> 23) - 127; }
     static Mask are_same(F x, F y) noexcept { return (x <= y) & (x >= y); }
 
-    /// Resets the transitions of the lanes that have a start: each is at least a segment away from the one before it, as
+    /// Sets the transitions of all lanes, as is right for those that have no start.
+    void make_from_origin(F per_slope) noexcept
+    {
+        const F low = -kFar, high = kFar;
+        F previous = select(grows_, low, high);
+        for (int at = finest; at <= coarsest + 1; ++at) {
+            const F d = edge_length(at);
+            const F ideal = min(max((d - a_) * per_slope, low), high);
+            const F length = margin(at - 1) + margin(at - 1);
+            const F pushed = select(grows_, max(ideal, previous + length), min(ideal, previous - length));
+            // There is no transition before the ray's start, past its end, below the finest pair of a lane, or above its
+            // coarsest one: a lane has the same table whatever pairs the others have.
+            const Mask is_finest = d <= finest_edge_, is_beyond = d > coarsest_edge_;
+            const Mask none_before = (pushed <= F(0.0f)) | (grows_ & is_finest);
+            const Mask none_after = andnot((pushed >= t_end_) | is_finest, grows_);
+            raw_[at - finest] = pushed;
+            const F edge = select(none_after, high, select(none_before, low, pushed));
+            edge_[at - finest] = select(is_beyond, select(grows_, high, low), edge);
+            previous = select(grows_, select(none_before, low, pushed), select(none_after, high, pushed));
+        }
+    }
+    /// Sets the transitions of the lanes that have a start: each is at least a segment away from the one before it, as
     /// seen from the start or from the focus.
     void make_from_start(F per_slope) noexcept
     {
@@ -212,7 +218,7 @@ private:
         const Mask coarsens = grows_ | has_focus;  // away from the start
         const F inner = select(grows_, low, high), outer = select(grows_, high, low);
         F previous = focus_;
-        for (int at = finest; at <= coarsest + 1; ++at) {
+        for (int at = finest; at <= coarsest + 1 && any(has_start & coarsens); ++at) {
             const F d = edge_length(at), length = margin(at - 1) + margin(at - 1);
             const Mask is_before = d <= start_;
             const F away = select(grows_, max(ideal(d), previous + length), min(ideal(d), previous - length));
@@ -222,7 +228,7 @@ private:
             previous = pushed;
         }
         previous = zero;
-        for (int at = coarsest + 1; at >= finest; --at) {
+        for (int at = coarsest + 1; at >= finest && any(andnot(has_start, coarsens)); --at) {
             const F d = edge_length(at), length = margin(at) + margin(at);
             const Mask is_before = d > start_;
             const F pushed = select(is_before, zero, max(ideal(d), select(are_same(d, start_), zero, previous + length)));

@@ -13,13 +13,6 @@
 namespace occam::lod {
 namespace {
 
-struct KeyHash {
-    std::size_t operator()(const std::vector<std::uint32_t>& key) const noexcept
-    {
-        return static_cast<std::size_t>(fnv1a(key.data(), key.size() * sizeof(key[0])));
-    }
-};
-
 /// The number of faces that are visited between two looks at the request to stop.
 constexpr std::uint32_t kFacesBetweenChecks = 4096;
 
@@ -60,7 +53,7 @@ struct Topology::Tables {
     CountedBytes counted;  ///< lists that are no part of a class
     std::mutex mutex;
     std::vector<Slots> slots;  ///< slots[0] is for vertices and slots[1 + s] for UV set s; each has an entry for each patch
-    std::unordered_map<std::vector<std::uint32_t>, std::unique_ptr<const PatchClass>, KeyHash> classes;
+    std::unordered_map<std::vector<std::uint32_t>, std::unique_ptr<const PatchClass>, WordsHash> classes;
     std::deque<PatchControls> records;
     std::deque<std::vector<std::uint32_t>> indices;
     std::vector<std::uint32_t> first_inner;  ///< first inner curve of each face; empty when all faces are quads

@@ -34,15 +34,6 @@ std::vector<std::uint32_t> connectivity_of(const Cage& cage)
     return words;
 }
 
-struct WordsHash {
-    std::size_t operator()(const std::vector<std::uint32_t>& words) const noexcept
-    {
-        std::uint64_t h = words.size();
-        for (const std::uint32_t w : words) h = mix_bits(h ^ w);
-        return static_cast<std::size_t>(h);
-    }
-};
-
 }  // namespace
 
 struct TopologyCache::State {

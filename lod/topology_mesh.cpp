@@ -1,6 +1,7 @@
 #include "lod/topology_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <unordered_map>
@@ -57,13 +58,17 @@ Sdc::Options sdc_options(const Cage& cage)
 // Numbers values in the order in which they first occur. Rings are small; poles of hundreds of edges get a map.
 class Numbering {
 public:
-    explicit Numbering(std::vector<std::uint32_t>& values) : values_(values) {}
+    explicit Numbering(std::vector<std::uint32_t>& values) : values_(values) { values_.reserve(kUsual); }
 
     std::uint32_t of(std::uint32_t value)
     {
         if (values_.size() <= kLinear) {
+            // Most values occur several times, and few of a ring have the same last bits.
+            std::uint8_t& latest = latest_[value % latest_.size()];
+            if (latest < values_.size() && values_[latest] == value) return latest;
             for (std::uint32_t i = 0; i < values_.size(); ++i)
                 if (values_[i] == value) return i;
+            latest = static_cast<std::uint8_t>(values_.size());
             values_.push_back(value);
             if (values_.size() > kLinear)
                 for (std::uint32_t i = 0; i < values_.size(); ++i) map_.emplace(values_[i], i);
@@ -75,8 +80,9 @@ public:
     }
 
 private:
-    static constexpr std::size_t kLinear = 48;
+    static constexpr std::size_t kLinear = 48, kUsual = 16;
     std::vector<std::uint32_t>& values_;
+    std::array<std::uint8_t, 64> latest_{};  // by a value's last bits, the latest number that one of them got
     std::unordered_map<std::uint32_t, std::uint32_t> map_;
 };
 
