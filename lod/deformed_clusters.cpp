@@ -30,8 +30,11 @@ DeformedClusters::DeformedClusters(const Cage& cage, const ClusterTree& clusters
     const bool is_smooth = cage.scheme == Scheme::CatmullClark;
     const FacesOfVertices around(is_smooth ? cage : Cage{}, is_smooth ? first_corner : std::vector<std::uint32_t>{0});
 
-    std::vector<std::uint32_t> vertices, stamp(cage.positions.size(), 0);
+    // The last node whose list a vertex or a face was added to, and 1.
+    std::vector<std::uint32_t> vertices, stamp(cage.positions.size(), 0), face_stamp(faces, 0);
     const auto add_corners = [&](std::uint32_t face, std::uint32_t mark) {
+        if (face_stamp[face] == mark) return;
+        face_stamp[face] = mark;
         for (std::uint32_t c = first_corner[face]; c < first_corner[face + 1]; ++c) {
             const std::uint32_t v = cage.face_vertices[c];
             if (stamp[v] == mark) continue;
