@@ -11,23 +11,10 @@
 #include "accel/ray_starts.h"
 #include "accel/vertex_values.h"
 #include "base/hash.h"
+#include "scenegraph/map_axes.h"
 
 namespace occam::accel {
 namespace {
-
-// Returns the set of texture coordinates that decides the axes of normal maps and brush strokes, or -1 if the material
-// has neither.
-int normal_map_set(const Material& m) noexcept
-{
-    const TextureUse& use = m.normal_texture ? m.normal_texture : m.clearcoat_normal_texture;
-    if (use) return std::clamp(use.uv_set, 0, 1);
-    return m.anisotropy > 0 ? std::clamp(m.anisotropy_texture.uv_set, 0, 1) : -1;
-}
-
-bool rotates_normal_map(const Material& m) noexcept
-{
-    return m.normal_texture.rotation != 0 || m.clearcoat_normal_texture.rotation != 0;
-}
 
 // For smaller values no gradient is computed: a float would not hold it.
 constexpr float kLeastArea = 1e-30f;
@@ -48,7 +35,7 @@ struct Stored {
 OCCAM_NEVER_INLINE void set_bump_gradients(const HitCorners& corners, const Triangles& tri, std::size_t lane, float to_frame,
                                            SurfaceHit& hit) noexcept
 {
-    const int set = std::clamp(hit.material->bump_texture.uv_set, 0, 1);
+    const int set = coordinates_of(hit.material->bump_texture);
     if ((corners.has_uv[set] >> lane & 1) == 0) return;
     const Stored b(tri.gradient[0]), c(tri.gradient[1]);
     const auto change = [&](int corner, int axis) {
@@ -169,7 +156,7 @@ struct HitsRead {
 // Holds the set of texture coordinates of each lane's normal map, or -1, and what maps there are.
 struct MapSets {
     vfloat of;
-    bool any = false, any_bump = false, any_rotated = false;
+    bool any = false, any_bump = false, any_rotated = false, any_other = false;
 
     MapSets(std::span<const GridHit> met, const HitCorners& corners) noexcept
     {
@@ -180,10 +167,11 @@ struct MapSets {
             if (!met[i].grid) continue;
             if (corners.material[i] != last) {
                 last = corners.material[i];
-                of_last = static_cast<float>(normal_map_set(*last));
+                of_last = static_cast<float>(axes_set_of(*last));
                 any = any || of_last >= 0;
                 any_bump = any_bump || last->bump_texture;
-                any_rotated = any_rotated || rotates_normal_map(*last);
+                any_rotated = any_rotated || turns_axes(*last);
+                any_other = any_other || any_has_other_axes(*last);
             }
             set[i] = of_last;
         }
@@ -200,7 +188,7 @@ struct FilledLanes {
     unsigned starts_beside, starts_on_ray, is_back, has_gradients;  // bit masks of lanes
     const FloatLanes& mirrored;
     const MapSets& maps;
-    const Tangents& tangent;
+    const Tangents &tangent, &other_tangent;
 };
 
 // Returns the lanes whose patch overlaps others of its face in a plane (lod::GridAttributes).
@@ -238,8 +226,12 @@ void fill(const FilledLanes& of, std::size_t i, const GridHit& met, const Ray& r
     if (corners.has_color >> i & 1) hit.color = weighted(corners.color[i], of.share[i]);
     if (of.maps.any_bump && hit.material->bump_texture && (of.has_gradients >> i & 1) != 0)
         set_bump_gradients(corners, of.tri, i, static_cast<float>(tools.frame.scale.to_frame()), hit);
-    if (of.maps.any_rotated && rotates_normal_map(*hit.material))
+    if (of.maps.any_rotated && turns_axes(*hit.material))
         hit.v_axis = Vec2f(Stored({of.tangent.v_axis[0], of.tangent.v_axis[1], 0.0f})[i]);
+    if (of.maps.any_other && any_has_other_axes(*hit.material)) {
+        const Vec3f rest = Stored({of.other_tangent.sign, of.other_tangent.v_axis[0], of.other_tangent.v_axis[1]})[i];
+        hit.other_axes = {Stored(of.other_tangent.along)[i], rest.x, {rest.y, rest.z}};
+    }
     if (met.grid->segments > 0) hit.velocity = corners.velocity_of(i, of.share[i]);
     else if (met.grid->cage->affine) hit.velocity = of.placed.velocity_of(i, *met.grid->cage, ray.time, place);
 }
@@ -297,8 +289,8 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const vfloat outward = corners.has_normals != 0 ? outward_curvature(tri, normal.corner) : zero;
     const vfloat curvature = select(has_gradients, select(normal.is_back, -outward, outward), zero);
     const MapSets map_sets(met, corners);
-    const vfloat map_set = select(has_gradients, map_sets.of, -1.0f);
-    const UvAtHits uv(corners, tri, share, beam_width(rays, t), map_sets.any ? &map_set : nullptr,
+    const UvAtHits uv(corners, tri, share, beam_width(rays, t),
+                      {select(has_gradients, map_sets.of, -1.0f), map_sets.any, map_sets.any_other},
                       select(normal.is_back, -normal.shading, normal.shading));
     const vfloat farthest = max(largest(load(corners.position[0]) + offset), placed.radius(read.radius));
     const unsigned on_ray = overlapping_lanes(read, corners);
@@ -328,7 +320,8 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
                             bits(has_gradients),
                             read.mirrored,
                             map_sets,
-                            uv.tangent};
+                            uv.tangent,
+                            uv.other_tangent};
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (!met[i].grid) continue;
         hits[i]->start_level = static_cast<std::int8_t>(read.start_level[i]);

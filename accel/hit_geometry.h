@@ -171,30 +171,38 @@ inline Tangents tangents(const Triangles& tri, const UvLanes& uv, const VecLanes
             {dot(along_v, along) * ratio, dot(along_v, cross(outward, along)) * ratio}};
 }
 
+/// Says by which sets of coordinates the maps of directions at hits are turned.
+struct MapSetLanes {
+    vfloat of;       ///< axes_set_of() of each lane's material; negative without such a map, or if nothing can be turned
+    bool any;        ///< whether some material has such a map
+    bool any_other;  ///< whether some has one that is turned by the other set
+};
+
 /// Holds the texture coordinates at hits, in lanes.
 struct UvAtHits {
     vfloat at[2][2], width[2];  ///< set, axis; the width of the beam in units of uv
     Tangents tangent;           ///< for the material's normal map; 0 without one or without coordinates
+    Tangents other_tangent;     ///< of the other set of coordinates, if a map has its axes from there; else 0
 
     /// width_of_beam   where it hits
-    /// map_set         the set of coordinates of each lane's normal map, negative without one that it can be turned by; null
-    ///                 if no lane has such a map
     /// outward         the shading normal, outside
     UvAtHits(const HitCorners& corners, const Triangles& tri, const vfloat (&share)[3], vfloat width_of_beam,
-             const vfloat* map_set, const VecLanes& outward) noexcept
-        : tangent{VecLanes{0.0f, 0.0f, 0.0f}, 1.0f, {0.0f, -1.0f}}
+             const MapSetLanes& maps, const VecLanes& outward) noexcept
+        : tangent{VecLanes{0.0f, 0.0f, 0.0f}, 1.0f, {0.0f, -1.0f}}, other_tangent(tangent)
     {
         const vfloat zero = 0.0f;
-        UvLanes of_map;  // lanes without a map or coordinates are all 0, and so is the tangent
+        UvLanes of_map, of_other;  // lanes without a map or coordinates are all 0, and so is the tangent
         for (int s = 0; s < 2; ++s) {
             at[s][0] = at[s][1] = width[s] = zero;
             if (corners.has_uv[s] == 0) continue;
             const UvLanes uv(corners.uv[s]);
             for (int a = 0; a < 2; ++a) at[s][a] = uv.at_share(a, share);
             width[s] = uv.width_on(tri, width_of_beam);
-            if (map_set) of_map.set_where(*map_set == vfloat(float(s)), uv);
+            if (maps.any) of_map.set_where(maps.of == vfloat(float(s)), uv);
+            if (maps.any_other) of_other.set_where(maps.of == vfloat(float(1 - s)), uv);
         }
-        if (map_set) tangent = tangents(tri, of_map, outward);
+        if (maps.any) tangent = tangents(tri, of_map, outward);
+        if (maps.any_other) other_tangent = tangents(tri, of_other, outward);
     }
 };
 

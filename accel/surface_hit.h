@@ -9,6 +9,7 @@
 
 #include "accel/ray.h"
 #include "lod/vertex_shader.h"
+#include "scenegraph/map_axes.h"
 #include "scenegraph/scene.h"
 
 namespace occam::accel {
@@ -57,8 +58,11 @@ struct alignas(64) SurfaceHit {
     std::int8_t start_level = kAnyLevel;  ///< one of that pair's two levels, for Ray::start_level
     bool back_side = false;               ///< the ray came from behind the face
     /// What dP/dv, over the length of dP/du and both across the outward normal n, has along the tangent and along
-    /// cross(n, tangent). It is zero unless the material has a normal map whose coordinates are rotated.
+    /// cross(n, tangent). It is zero unless the material has a map of directions whose coordinates are rotated.
     Vec2f v_axis{0};
+    /// The same for the other set of coordinates. It is set only if the material has a map of directions that takes its
+    /// axes from there (scenegraph/map_axes.h).
+    MapTangent other_axes;
     float phase_one[lod::VertexShader::kMaxChannels] = {};  ///< the first phase_one_channels are valid
 
     bool is_hit() const noexcept { return t < std::numeric_limits<float>::infinity(); }

@@ -41,13 +41,11 @@ const float* make_values(const LatticeGrid& grid, IGridPart& part, bool is_coars
     const Stopwatch watch(tools.counters.shade_seconds);
     const ValueLattice lattice(part, is_coarse);
     const int width = part.tile.columns + 1;
-    const auto to_world = static_cast<float>(tools.frame.scale.to_world());
     const lod::LevelSettings& levels = tools.frame.levels;
     const float least = tools.frame.shading.texture_width * lod::edge_length(grid.level + is_coarse) /
                         (levels.shading_rate * lod::LevelSettings::kLongestEdge);
     constexpr std::size_t kMost = (lod::TileRef::kMaxSide + 1) * (lod::TileRef::kMaxSide + 1);
     std::array<lod::VertexToShade, kMost> vertices;
-    std::array<Vec3f, kMost> places;
     for (int j = 0; j <= lattice.rows; ++j)
         for (int i = 0; i <= lattice.columns; ++i) {
             // The differences reach to both sides, or to one side at the tile's border.
@@ -55,13 +53,12 @@ const float* make_values(const LatticeGrid& grid, IGridPart& part, bool is_coars
             const int j0 = std::max(j - 1, 0) * lattice.step_v, j1 = std::min(j + 1, lattice.rows) * lattice.step_v;
             const int at_i = i * lattice.step_u, at_j = j * lattice.step_v;
             const auto quads = static_cast<float>(((i1 - i0) >> lattice.shift_u) * ((j1 - j0) >> lattice.shift_v));
-            // Values stand still on what moves: they are those of the middle of the shutter.
+            // Values stand still on what moves: they are filtered as is right at the key in the middle of the shutter.
             const auto place = [&](int u, int v) { return grid.fine_at(part.vertex(u, v), grid.segments / 2); };
             const Vec3f along_u = place(i1, at_j) - place(i0, at_j), along_v = place(at_i, j1) - place(at_i, j0);
             const float area = area_between(along_u, along_v);
             const auto index = static_cast<std::size_t>(lattice.index(i, j));
             lod::VertexToShade& vertex = vertices[index] = {};
-            places[index] = place(at_i, at_j) * to_world;
             for (int s = 0; s < 2; ++s) {
                 const Vec2f* uv = part.attributes.uv[s];
                 if (!uv) continue;
@@ -74,8 +71,7 @@ const float* make_values(const LatticeGrid& grid, IGridPart& part, bool is_coars
         }
     const auto count = static_cast<std::size_t>(lattice.count());
     float* values = tools.arena.make_array<float>(count * static_cast<std::size_t>(channels)).data();
-    tools.frame.shading.shader->shade(material, {{vertices.data(), count}, {places.data(), count}, lattice.columns + 1},
-                                      values);
+    tools.frame.shading.shader->shade(material, {{vertices.data(), count}, lattice.columns + 1}, values);
     tools.counters.vertices_looked_up += count;
     publish(part.values[is_coarse], static_cast<const float*>(values));
     return values;

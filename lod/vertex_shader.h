@@ -19,13 +19,12 @@ struct VertexToShade {
 /// Vertices in rows and columns, so that differences between neighbours can be computed.
 struct LatticeToShade {
     std::span<const VertexToShade> vertices;  ///< row after row
-    std::span<const Vec3f> places;            ///< positions of the vertices, relative to any origin: world axes and lengths
     int columns = 2;                          ///< vertices in a row, at least two; there are at least two rows
 };
 
 class VertexShader {
 public:
-    static constexpr int kMaxChannels = 34;
+    static constexpr int kMaxChannels = 33;
 
     virtual ~VertexShader() = default;
 

@@ -63,9 +63,8 @@ shade::ShadePoint shade_point(const accel::Ray& ray, const accel::SurfaceHit& hi
     p.to_start = hit.material->transmission > 0 ? hit.to_start : start_on_ray(ray, hit);
     p.start_normal = hit.start_normal;
     p.self_distance = hit.self_distance;
-    p.tangent = hit.tangent;
-    p.tangent_sign = hit.tangent_sign;
-    p.v_axis = hit.v_axis;
+    p.axes = {hit.tangent, hit.tangent_sign, hit.v_axis};
+    p.other_axes = hit.other_axes;
     p.u_gradient = hit.u_gradient;
     p.v_gradient = hit.v_gradient;
     for (int set = 0; set < 2; ++set) {

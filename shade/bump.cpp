@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace occam::shade {
 namespace {
-
-int set_of(const TextureUse& use) noexcept { return std::clamp(use.uv_set, 0, 1); }
 
 // Values beyond a lattice's border are extrapolated from inside. So a slope on the border equals that of the neighbour's
 // lattice up to the second order of a step, and does not depend on where tiles end, which differs between the pairs that
@@ -25,42 +24,44 @@ auto beyond(int i, int j, int columns, int rows, Of&& of) noexcept
 BumpLattice::BumpLattice(const Material& material, const lod::LatticeToShade& lattice, const TextureStore& textures) noexcept
     : lattice_(lattice),
       has_map_(bool(material.bump_texture)),
+      set_(coordinates_of(material.bump_texture)),
       scale_(double(material.bump_scale)),
       rows_(static_cast<int>(lattice.vertices.size()) / lattice.columns)
 {
     if (!has_map_) return;
     const TextureUse& use = material.bump_texture;
-    const int set = set_of(use);
     for (int j = -1; j <= rows_; ++j)
         for (int i = -1; i <= lattice.columns; ++i) {
             const Vec2f uv = beyond(i, j, lattice.columns, rows_,
-                                    [&](std::size_t k) { return lattice.vertices[k].uv[set]; });
+                                    [&](std::size_t k) { return lattice.vertices[k].uv[set_]; });
             const float width = beyond(i, j, lattice.columns, rows_,
-                                       [&](std::size_t k) { return lattice.vertices[k].uv_width[set]; });
+                                       [&](std::size_t k) { return lattice.vertices[k].uv_width[set_]; });
             heights_[index(i, j)] = textures.sample(use, uv, std::max(width, 0.0f)).x;
         }
 }
 
-Vec3f BumpLattice::slope(int i, int j) const noexcept
+Vec2f BumpLattice::rise(int i, int j) const noexcept
 {
-    if (!has_map_) return Vec3f(0);
+    if (!has_map_) return Vec2f(0);
     const auto place = [&](int c, int r) {
-        return Vec3d(beyond(c, r, lattice_.columns, rows_, [&](std::size_t k) { return lattice_.places[k]; }));
+        return Vec2d(beyond(c, r, lattice_.columns, rows_, [&](std::size_t k) { return lattice_.vertices[k].uv[set_]; }));
     };
     const auto height = [&](int c, int r) { return double(heights_[index(c, r)]); };
-    const Vec3d along_u = place(i + 1, j) - place(i - 1, j), along_v = place(i, j + 1) - place(i, j - 1);
-    const Vec3d normal = glm::cross(along_u, along_v);
-    const double area2 = glm::dot(normal, normal);
-    if (!(area2 > 0)) return Vec3f(0);
-    const double rise_u = height(i + 1, j) - height(i - 1, j), rise_v = height(i, j + 1) - height(i, j - 1);
-    return Vec3f((glm::cross(along_v, normal) * rise_u + glm::cross(normal, along_u) * rise_v) * (scale_ / area2));
+    const Vec2d along_i = place(i + 1, j) - place(i - 1, j), along_j = place(i, j + 1) - place(i, j - 1);
+    const double area = along_i.x * along_j.y - along_i.y * along_j.x;
+    if (area == 0) return Vec2f(0);
+    const double rise_i = height(i + 1, j) - height(i - 1, j), rise_j = height(i, j + 1) - height(i, j - 1);
+    const Vec2d rise = Vec2d(rise_i * along_j.y - rise_j * along_i.y, rise_j * along_i.x - rise_i * along_j.x) *
+                       (scale_ / area);
+    const auto is_float = [](double x) { return std::abs(x) <= double(std::numeric_limits<float>::max()); };
+    return is_float(rise.x) && is_float(rise.y) ? Vec2f(rise) : Vec2f(0);
 }
 
 Vec3f bump_slope(const ShadePoint& point, const TextureStore& textures) noexcept
 {
     const TextureUse& use = point.material->bump_texture;
     if (!use) return Vec3f(0);
-    const int set = set_of(use);
+    const int set = coordinates_of(use);
     const float width = point.texture.uv_width[set], step = 0.5f * std::max(width, textures.texel_width(use));
     if (!(step > 0)) return Vec3f(0);
     const auto height = [&](Vec2f by) { return textures.sample(use, point.texture.uv[set] + by, width).x; };

@@ -1,8 +1,8 @@
 // Bump maps: heights that change the normals of a surface but not its positions (Blinn 1978).
 //
 // A normal n becomes n minus the gradient of the height over the surface (Mikkelsen 2010, eq. 4, in world lengths). This
-// needs no tangent frame: at the vertices of grids the gradient comes from differences between neighbours, and at hits
-// from differences over the footprint.
+// needs no tangent frame: the derivatives of the height by its coordinates come from differences between neighbours at the
+// vertices of grids, and over the footprint at hits, where the gradients of the coordinates are known.
 #pragma once
 
 #include <array>
@@ -13,15 +13,15 @@
 
 namespace occam::shade {
 
-/// Holds the slopes at the vertices of a lattice.
+/// Holds how the height of a bump map changes at the vertices of a lattice.
 class BumpLattice {
 public:
     /// Looks up the heights at the vertices and one step beyond the border. Borrows the lattice.
     BumpLattice(const Material& material, const lod::LatticeToShade& lattice, const TextureStore& textures) noexcept;
 
-    /// Returns the gradient of the height over the surface, from differences to both sides; it is zero without a bump
-    /// map.
-    Vec3f slope(int i, int j) const noexcept;
+    /// Returns the derivatives of the height by the map's coordinates, from differences to both sides. They are zero without
+    /// a bump map, and where the coordinates cover no area.
+    Vec2f rise(int i, int j) const noexcept;
 
 private:
     static constexpr int kWidth = lod::TileRef::kMaxSide + 3;
@@ -29,6 +29,7 @@ private:
 
     const lod::LatticeToShade& lattice_;
     bool has_map_;
+    int set_;
     double scale_;
     int rows_;
     std::array<float, kWidth * kWidth> heights_;  // not set without a map

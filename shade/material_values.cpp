@@ -25,7 +25,7 @@ void for_each_packed(const Material& m, Values& v, Visit&& visit) noexcept
     if (m.metallic_roughness_texture || m.roughness_texture || m.glossiness_texture) visit(&v.roughness, 1);
     if (m.emission_texture && m.emission != Vec3f(0)) visit(&v.emission.x, 3);
     if (m.normal_texture) visit(&v.normal.x, 3);
-    if (m.bump_texture) visit(&v.slope.x, 3);
+    if (m.bump_texture) visit(&v.rise.x, 2);
     if (m.occlusion_texture) visit(&v.occlusion, 1);
     if (m.specular_texture) visit(&v.specular, 1);
     if (m.specular_color_texture) visit(&v.specular_color.x, 3);
@@ -38,6 +38,9 @@ void for_each_packed(const Material& m, Values& v, Visit&& visit) noexcept
     if (m.clearcoat_roughness_texture) visit(&v.coat_roughness, 1);
     if (m.clearcoat_normal_texture) visit(&v.coat_normal.x, 3);
 }
+
+// Returns whether what lies under transparent texels must not be seen between vertices, as it is not between texels.
+bool weights_by_alpha(const Material& m) noexcept { return m.alpha_mode == AlphaMode::Blend && m.base_color_texture; }
 
 }  // namespace
 
@@ -112,8 +115,10 @@ int packed_floats(const Material& material) noexcept
     return count;
 }
 
-void pack(const Material& material, const MaterialValues& values, float* to) noexcept
+void pack(const Material& material, MaterialValues values, float* to) noexcept
 {
+    if (weights_by_alpha(material))
+        values.base_color = Vec4f(Vec3f(values.base_color) * values.base_color.w, values.base_color.w);
     for_each_packed(material, values, [&](const float* from, int floats) { to = std::copy_n(from, floats, to); });
 }
 
@@ -124,6 +129,8 @@ MaterialValues unpack(const Material& material, const float* from) noexcept
         std::copy_n(from, floats, to);
         from += floats;
     });
+    if (const float alpha = values.base_color.w; weights_by_alpha(material) && alpha > 0)
+        values.base_color = Vec4f(Vec3f(values.base_color) / alpha, alpha);
     return values;
 }
 
@@ -138,7 +145,7 @@ void PhaseOne::shade(const Material& material, const lod::LatticeToShade& lattic
         if (!material.unlit) {
             values.look_up_rest(material, at, textures_);
             values.look_up_occlusion(material, at, textures_);
-            values.slope = bump.slope(k % lattice.columns, k / lattice.columns);
+            values.rise = bump.rise(k % lattice.columns, k / lattice.columns);
         }
         pack(material, values, out);
         out += floats;

@@ -2,7 +2,9 @@
 // factors applied.
 //
 // Djeu et al. 2011, sec. 5.3. Every value is linear in its texels, so values that are made at grid vertices and
-// interpolated to a hit equal what the interpolated texels would give. Colours are linear Rec.709.
+// interpolated to a hit equal what the interpolated texels would give. Colours that alpha covers in part are interpolated
+// with it as their weight. None of the values depends on where the surface is, which may move while the shutter is open.
+// Colours are linear Rec.709.
 #pragma once
 
 #include "io/texture/texture_store.h"
@@ -19,7 +21,7 @@ struct MaterialValues {
     float metallic, roughness;
     Vec3f emission;
     Vec3f normal{0, 0, 1};  ///< in the axes of the normal map, neither scaled nor normalised
-    Vec3f slope{0};         ///< gradient of the height of the bump map over the surface, world axes
+    Vec2f rise{0};          ///< derivatives of the height of the bump map, in world lengths, by its coordinates
     float occlusion = 1;    ///< share of ambient light that arrives
     float specular;
     Vec3f specular_color;
@@ -36,8 +38,8 @@ struct MaterialValues {
     /// Looks up the alpha of a mask alone. It has no filter, because what is compared with the cutoff cannot be averaged
     /// before: of a mask that has holes everywhere, all or nothing would be left far away.
     void look_up_mask(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
-    /// Looks up everything except the occlusion, which is rarely needed, and the slope, which takes more than one
-    /// position (shade/bump.h).
+    /// Looks up everything except the occlusion, which is rarely needed, and the rise, which takes more than one
+    /// lookup (shade/bump.h).
     void look_up_rest(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
     void look_up_occlusion(const Material& material, const lod::VertexToShade& at, const TextureStore& textures) noexcept;
 };
@@ -46,7 +48,7 @@ struct MaterialValues {
 /// alpha mask is looked up at hits, because its edge would otherwise be as wide as the distance between vertices; so is
 /// the base colour, which comes with it.
 int packed_floats(const Material& material) noexcept;
-void pack(const Material& material, const MaterialValues& values, float* to) noexcept;
+void pack(const Material& material, MaterialValues values, float* to) noexcept;
 /// Returns the values of the material at a hit: the packed ones, and the factors of the rest.
 MaterialValues unpack(const Material& material, const float* from) noexcept;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "lod/vertex_shader.h"
+#include "scenegraph/map_axes.h"
 
 namespace occam::shade {
 
@@ -14,16 +15,12 @@ struct ShadePoint {
     Vec3f to_start{0};                   ///< offset from `position` to the point where secondary rays start
     Vec3f start_normal{0, 0, 1};         ///< normal of the micropolygon there, unit, on the side of normal_geometric
     float self_distance = 0;             ///< a secondary ray starts this far along start_normal, to the side it leaves by
-    Vec3f tangent{0};                    ///< unit, across the normal, where u of the normal map grows; zero: no normal map
-    float tangent_sign = 1;              ///< sign of cross(outward normal, tangent), along which v decreases
+    MapTangent axes, other_axes;         ///< of the set axes_set_of(*material), and of the other one
     Vec3f u_gradient{0}, v_gradient{0};  ///< gradients of the bump map's coordinates, per world length; zero: no bump map
     lod::VertexToShade texture;          ///< where textures are looked up, over the footprint of the ray
     const float* phase_one = nullptr;    ///< what PhaseOne made at the vertices about the hit, interpolated; null: nothing
     Vec4f color{1};                      ///< vertex colour, linear
     const Material* material = nullptr;  ///< never null
-    /// dP/dv over the length of dP/du, both across the outward normal n: along the tangent, and along cross(n, tangent). It
-    /// is only known where coordinates of a normal map are rotated.
-    Vec2f v_axis{0, -1};
 };
 
 }  // namespace occam::shade

@@ -43,24 +43,26 @@ struct MapAxes {
 // on the surface counts, too: a turned map is only square to its axes where its texels are squares.
 MapAxes axes_of(const TextureUse& use, Vec3f outward, const ShadePoint& p) noexcept
 {
+    const MapTangent& uv = has_other_axes(*p.material, use) ? p.other_axes : p.axes;
     const float hand = (use.scale.x < 0) != (use.scale.y < 0) ? -1.0f : 1.0f;
-    Vec3f right = use.scale.x < 0 ? -p.tangent : p.tangent;
+    Vec3f right = use.scale.x < 0 ? -uv.along : uv.along;
     if (use.rotation != 0) {
         const float u = hand * use.scale.y * maths::cos(use.rotation), v = hand * use.scale.x * maths::sin(use.rotation);
-        right = p.tangent * (u + v * p.v_axis.x) + glm::cross(outward, p.tangent) * (v * p.v_axis.y);
+        right = uv.along * (u + v * uv.v_axis.x) + glm::cross(outward, uv.along) * (v * uv.v_axis.y);
         const float length = glm::length(right);
         right = length > 0 && length < std::numeric_limits<float>::infinity() ? right / length : Vec3f(0);
     }
-    return {right, glm::cross(outward, right) * (p.tangent_sign * hand)};
+    return {right, glm::cross(outward, right) * (uv.sign * hand)};
 }
 
 // Returns the normal from a map (glTF 2.0, sec. 3.9.3), about the interpolated normal and on its side.
 Vec3f mapped_normal(const TextureUse& use, Vec3f t, float scale, const ShadePoint& p) noexcept
 {
-    if (!use || p.tangent == Vec3f(0)) return p.normal_shading;
+    if (!use) return p.normal_shading;
     scale = std::clamp(scale, -kMaxNormalScale, kMaxNormalScale);
     const Vec3f outward = p.back_side ? -p.normal_shading : p.normal_shading;
     const MapAxes axes = axes_of(use, outward, p);
+    if (axes.right == Vec3f(0)) return p.normal_shading;
     const Vec3f n = axes.right * (t.x * scale) + axes.up * (t.y * scale) + outward * t.z;
     const float length = glm::length(n);
     if (!(length > 1e-6f)) return p.normal_shading;
@@ -185,17 +187,22 @@ void add_transmission(const Material& m, const MaterialValues& values, const Die
     s.transmittance += s.opacity * tint * (1 - reflected);
 }
 
+// Returns whether light passes a pane here, or the surface of a body that bends it.
+bool is_glass_in_part(const Material& m, const MaterialValues& values) noexcept
+{
+    return m.transmission > 0 && values.transmission > 0 && values.metallic < 1 && !is_straight_body(m);
+}
+
 // Applies KHR_materials_anisotropy: the width along the strokes grows to 1 with the square of the strength. Glass stays
 // isotropic: its two lobes share one distribution.
 void add_anisotropy(const Material& m, const MaterialValues& values, const ShadePoint& p, Surface& s) noexcept
 {
     const float strength = std::clamp(m.anisotropy * values.anisotropy.z, 0.0f, 1.0f);
-    if (!(strength > 0) || p.tangent == Vec3f(0) || s.is_solid || s.transmission != Vec3f(0)) return;
+    if (!(strength > 0) || is_glass_in_part(m, values)) return;
     const float c = maths::cos(m.anisotropy_rotation), si = maths::sin(m.anisotropy_rotation);
     const float x = values.anisotropy.x, y = values.anisotropy.y;
-    const Vec3f outward = p.back_side ? -p.normal_shading : p.normal_shading;
-    const Vec3f up = glm::cross(outward, p.tangent) * p.tangent_sign;
-    const Vec3f strokes = p.tangent * (c * x - si * y) + up * (si * x + c * y);
+    const MapAxes axes = axes_of(m.anisotropy_texture, p.back_side ? -p.normal_shading : p.normal_shading, p);
+    const Vec3f strokes = axes.right * (c * x - si * y) + axes.up * (si * x + c * y);
     const Vec3f across = strokes - s.normal * glm::dot(strokes, s.normal);
     const float length = glm::length(across);
     if (!(length > 1e-6f)) return;
@@ -282,10 +289,13 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     if (s.unlit || s.opacity == 0) return s;
     if (!point.phase_one) {
         values.look_up_rest(m, point.texture, textures);
-        values.slope = bump_slope(point, textures);
     }
     s.normal = mapped_normal(m.normal_texture, values.normal, m.normal_scale, point);
-    if (values.slope != Vec3f(0)) s.normal = bumped_normal(s.normal, values.slope, point);
+    if (m.bump_texture) {
+        const Vec3f slope = point.phase_one ? point.u_gradient * values.rise.x + point.v_gradient * values.rise.y
+                                            : bump_slope(point, textures);
+        if (slope != Vec3f(0)) s.normal = bumped_normal(s.normal, slope, point);
+    }
     s.emission = limited(values.emission);
 
     const float metallic = std::clamp(values.metallic, 0.0f, 1.0f);

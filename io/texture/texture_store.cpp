@@ -109,13 +109,24 @@ float texels_in(Vec2f width, const Image& image) noexcept
     return image.width() == 1 || !(x > 0) ? y : std::sqrt(x * y);
 }
 
+// Returns the width of a filter along either side of an image, after the use's transform. A rotation leaves the mean of both
+// as it is, so it counts only where one side alone has a say.
+template <class Image>
+Vec2f transformed(Vec2f width, const TextureUse& use, const Image& image) noexcept
+{
+    const Vec2f scaled = width * glm::abs(use.scale);
+    if (use.rotation == 0 || (image.width() > 1 && image.height() > 1)) return scaled;
+    const float s = maths::sin(use.rotation), c = maths::cos(use.rotation);
+    return {std::hypot(c * scaled.x, s * scaled.y), std::hypot(c * scaled.y, s * scaled.x)};
+}
+
 // Returns the filtered texel of an image at coordinates by the use's transform.
 // width   of the filter, before that transform
 template <class Image>
 Vec4f filtered(const Image& image, const TextureUse& use, Vec2f st, Vec2f width) noexcept
 {
     const auto at = [&](int level, bool nearest) { return image.lookup(level, st, use.wrap_s, use.wrap_t, nearest); };
-    const float texels = texels_in(width * glm::abs(use.scale), image);
+    const float texels = texels_in(transformed(width, use, image), image);
     if (!(texels > 1)) return at(0, use.nearest);
     const int last = image.level_count() - 1;
     // Two levels are blended by the width and not by its logarithm. Both agree at the ends, and a logarithm would make the

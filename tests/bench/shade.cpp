@@ -345,7 +345,7 @@ void run_maps(Report& report)
         };
         shade::ShadePoint point;
         point.material = &material;
-        point.tangent = {1, 0, 0};
+        point.axes.along = {1, 0, 0};
         float sum = 0;
         const auto evaluate_all = [&](const float* made) {
             for (const lod::VertexToShade& at : vertices) {

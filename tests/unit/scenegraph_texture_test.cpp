@@ -128,6 +128,34 @@ TEST(TextureStore, AWideFilterGivesTheMean)
     }
 }
 
+// A row of texels that a transform turns by a quarter lies along v, and its filter is as wide as along v.
+TEST(TextureStore, FiltersARowThatIsTurnedAsOneThatIsNot)
+{
+    for (const bool is_row : {true, false}) {
+        Scene scene;
+        Texture texture;
+        texture.width = is_row ? 256 : 1;
+        texture.height = is_row ? 1 : 256;
+        for (int i = 0; i < 256; ++i) texture.pixels.push_back(Vec4f(Vec3f(i % 2 ? 1.0f : 0.0f), 1));
+        const TextureId id = scene.add(std::move(texture));
+        TextureStore textures(std::size_t(1) << 24);
+        textures.prepare(scene);
+        for (const Vec2f scale : {Vec2f(1, 16), Vec2f(16, 1)}) {
+            TextureUse turned, baked;
+            turned.texture = baked.texture = id;
+            turned.scale = scale;
+            turned.rotation = 1.57079633f;  // s runs along v, and t against u
+            baked.scale = {scale.y, -scale.x};
+            for (const float width : {0.5f / 256, 2.0f / 256})
+                for (int k = 0; k < 20; ++k) {
+                    const Vec2f uv(0.3f + 0.00063f * float(k), 0.2f + 0.00071f * float(k));
+                    EXPECT_NEAR(textures.sample(turned, uv, width).x, textures.sample(baked, {uv.y, uv.x}, width).x, 2e-3f)
+                        << scale.x << ' ' << width << ' ' << k;
+                }
+        }
+    }
+}
+
 TEST(TextureStore, LevelsBlendWithoutAJump)
 {
     const Prepared p(ramp(64, 64));

@@ -31,7 +31,7 @@ Surface surface_of(const Material& m, float cos_eye, bool back_side = false)
     ShadePoint p;
     p.material = &m;
     p.to_eye = direction(cos_eye, 0.7f);
-    p.tangent = {1, 0, 0};
+    p.axes.along = {1, 0, 0};
     p.back_side = back_side;
     return evaluate(p, textures);
 }
