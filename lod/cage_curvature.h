@@ -8,8 +8,8 @@
 namespace occam::lod {
 
 /// Returns an estimate of the least radius of curvature of a subdivision cage's limit surface, in the cage's own length,
-/// from how far the normals of its control points turn along its edges; infinity where it is flat. Displacement does not
-/// count.
+/// from how far the normals of its control points turn along its edges, and how far they are from those of the corners of
+/// faces; infinity where it is flat. Displacement does not count.
 double least_radius_of_curvature(const Cage& cage);
 
 /// Keeps what least_radius_of_curvature() gave for a cage. All callers must name the same cage, as it is.

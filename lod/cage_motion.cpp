@@ -47,7 +47,7 @@ CageMotion::CageMotion(const CageSlot& slot, const Node& node, const SkinSlot* s
         moves_weights_ = moves_weights_ || (!slot.cage.morph_targets.empty() && key.morph_weights != node.morph_weights);
     }
     changes_ = int(moves_maps_) + int(moves_weights_) + int(moves_positions_);
-    if (slot.cage.is_displaced() && changes_ == 1 && !moves_maps_) some_faces_ = some_faces(slot.cage);
+    if (slot.cage.is_displaced() && changes_ == 1 && !moves_maps_) faces_ = faces_of(slot.cage);
 }
 
 Box3d CageMotion::world_box_at(int key) const
@@ -72,6 +72,8 @@ double CageMotion::deviation_of_maps(int key, int before, int after) const
         return farthest_image(off, slot_.is_deformed() ? cage_bounds(node_, slot_, skin_) : slot_.bounds);
     }
     const Box3d moved = morph_extent(slot_.deform[0].offsets, at.morph_weights);
+    // Displacement turns with the joints.
+    const Vec3d reach(slot_.cage.is_displaced() ? double(slot_.cage.displacement->bound) : 0.0);
     double farthest = 0;
     for (const JointBox& joint : slot_.deform[0].joints) {
         const auto map = [&](int k, const CagePose& pose) {
@@ -79,7 +81,8 @@ double CageMotion::deviation_of_maps(int key, int before, int after) const
             return world(k) * pose.node_from_skin * mesh;
         };
         const Mat4d off = map(key, at) - between(map(before, a), map(after, b), share);
-        farthest = std::max(farthest, farthest_image(off, {Vec3d(joint.box.lo) + moved.lo, Vec3d(joint.box.hi) + moved.hi}));
+        farthest = std::max(
+            farthest, farthest_image(off, {Vec3d(joint.box.lo) + moved.lo - reach, Vec3d(joint.box.hi) + moved.hi + reach}));
     }
     return farthest;
 }
@@ -126,53 +129,31 @@ double CageMotion::deviation_of_displacement(int key, int before, int after) con
     };
     const double share = share_of(key, before, after);
     double farthest = 0;
-    for (const FaceVertices face : some_faces_)
+    for (const FaceVertices face : faces_)
         farthest = std::max(
             farthest, glm::distance(normal_at(key, face), glm::mix(normal_at(before, face), normal_at(after, face), share)));
     return farthest * double(slot_.cage.displacement->bound) * stretch_bound(world(0));
 }
 
-std::vector<Vec3d> CageMotion::moves_from(int key) const
+std::array<Vec3d, 8> CageMotion::moves_from(int key) const
 {
-    std::vector<Vec3d> moves;
-    if (changes_ != 1 || moves_weights_ || (moves_positions_ && slot_.is_deformed())) return moves;
-    // Displacement turns with the normals of a cage that deforms.
-    if (slot_.cage.is_displaced() && !moves_by_nodes_alone()) return moves;
-    if (moves_positions_) {
-        const auto &from = slot_.key_positions[std::size_t(key)], &to = slot_.key_positions[std::size_t(key) + 1];
-        for (std::size_t v = 0; v < from.size(); ++v)
-            moves.push_back(Vec3d(world(0) * Vec4d(Vec3d(to[v]) - Vec3d(from[v]), 0)));
-        return moves;
-    }
-    const auto add = [&](const Mat4d& map, const Box3d& box) {
-        for (int i = 0; i < 8 && !box.is_empty(); ++i)
-            moves.push_back(Vec3d(
-                map * Vec4d(i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z, 1)));
-    };
-    if (!is_skinned_) {
-        add(world(key + 1) - world(key), slot_.is_deformed() ? cage_bounds(node_, slot_, skin_) : slot_.bounds);
-        return moves;
-    }
-    const CagePose from = pose(key), to = pose(key + 1);
-    const Box3d moved = morph_extent(slot_.deform[0].offsets, from.morph_weights);
-    for (const JointBox& joint : slot_.deform[0].joints) {
-        const auto map = [&](int k, const CagePose& at) {
-            const Mat4d mesh = joint.joint < at.joints.size() ? at.joints[joint.joint] : Mat4d(1);
-            return world(k) * at.node_from_skin * mesh;
-        };
-        add(map(key + 1, to) - map(key, from), {Vec3d(joint.box.lo) + moved.lo, Vec3d(joint.box.hi) + moved.hi});
-    }
+    std::array<Vec3d, 8> moves;
+    const Mat4d map = world(key + 1) - world(key);
+    const Box3d& box = slot_.bounds;
+    for (int i = 0; i < 8; ++i)
+        moves[static_cast<std::size_t>(i)] = Vec3d(
+            map * Vec4d(i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z, 1));
     return moves;
 }
 
 double CageMotion::least_distance_across(Vec3d eye) const
 {
     constexpr double kMostOfSight = 0.7, kChordOfSine = 1.1;  // chords of angles whose sine is at most 0.7
-    const Box3d bounds = cage_bounds(node_, slot_, skin_);
+    if (!is_rigid() || slot_.bounds.is_empty()) return 0;
+    const Box3d& bounds = slot_.bounds;
     double least = std::numeric_limits<double>::infinity();
     for (int key = 0; key < segments_; ++key) {
-        const std::vector<Vec3d> moves = moves_from(key);
-        if (moves.empty()) return 0;
+        const std::array<Vec3d, 8> moves = moves_from(key);
         Vec3d mean(0);
         for (const Vec3d move : moves) mean += move / double(moves.size());
         double spread = 0;
@@ -191,10 +172,15 @@ double CageMotion::least_distance_across(Vec3d eye) const
 
 double CageMotion::least_radius(const CageCurvature& curvature) const
 {
-    double scale = std::numeric_limits<double>::infinity();
+    // A circle that is squeezed by s in one direction and stretched by t in the other bends with s^2 / t of its radius.
+    double least = std::numeric_limits<double>::infinity(), most = 0;
     for (const Mat4d& world : world_)
-        for (int axis = 0; axis < 3; ++axis) scale = std::min(scale, glm::length(Vec3d(world[axis])));
-    return scale * curvature.least_radius(slot_.cage);
+        for (int axis = 0; axis < 3; ++axis) {
+            const double scale = glm::length(Vec3d(world[axis]));
+            least = std::min(least, scale);
+            most = std::max(most, scale);
+        }
+    return most > 0 ? least * least / most * curvature.least_radius(slot_.cage) : 0;
 }
 
 double CageMotion::deviation(int key, int before, int after) const

@@ -8,6 +8,7 @@
 // Threads  const after construction.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <span>
 #include <vector>
@@ -50,10 +51,10 @@ public:
     /// Returns a box, in world axes, that holds the cage at a key of the scene's shutter.
     Box3d world_box_at(int key) const;
     /// Returns a lower bound, seen from the eye, on the distance across the line of sight that each point of the cage moves
-    /// per shutter, at each moment of the shutter. It is 0 if some point may stand still or nothing is known.
+    /// per shutter, at each moment of the shutter. It is 0 if some point may stand still, and for cages that deform or are
+    /// displaced: nothing says then how much longer edges would cut off.
     double least_distance_across(Vec3d eye) const;
-    /// Returns an estimate of the least radius with which the surface bends, in world length, from the cage without its pose
-    /// and the least scale of its node.
+    /// Returns an estimate of the least radius with which the surface of a rigid cage bends, in world length.
     double least_radius(const CageCurvature& curvature) const;
     /// Makes the cage at the keys of a motion of so many segments. All keys are copies of `still`, in the same dicing frame.
     PosedCage& make_keys(const PosedCage& still, int segments, const PosingTools& tools) const;
@@ -83,14 +84,16 @@ private:
     int shown_key(int key, std::uint32_t shown) const noexcept;
     const Mat4d& world(int key) const noexcept { return world_[world_.size() > 1 ? std::size_t(key) : 0]; }
     CagePose pose(int key) const noexcept { return {slot_, node_, skin_, key}; }
-    /// Returns vectors by which points move from a key to the next one, such that each point of the cage moves by a mean of
-    /// some of them; none if there is no such list.
-    std::vector<Vec3d> moves_from(int key) const;
+    /// Returns whether the cage keeps its shape but for what its nodes do to it.
+    bool is_rigid() const noexcept { return moves_by_nodes_alone() && !slot_.is_deformed() && !slot_.cage.is_displaced(); }
+    /// Returns the vectors by which the corners of the box of a rigid cage move from a key to the next one. Each point moves
+    /// by a mean of some of them.
+    std::array<Vec3d, 8> moves_from(int key) const;
     double deviation(int key, int before, int after) const;
     double deviation_of_maps(int key, int before, int after) const;
     double deviation_of_weights(int key, int before, int after) const;
     double deviation_of_positions(int key, int before, int after) const;
-    /// What the normals' turning adds, where vertices move; it measures some of the cage's faces.
+    /// What the normals' turning adds, where vertices move.
     double deviation_of_displacement(int key, int before, int after) const;
 
     const CageSlot& slot_;
@@ -100,8 +103,8 @@ private:
     int segments_;
     bool is_skinned_;
     bool moves_maps_ = false, moves_weights_ = false, moves_positions_ = false;
-    int changes_ = 0;                       ///< how many of these are true
-    std::vector<FaceVertices> some_faces_;  ///< if the normals' turning counts
+    int changes_ = 0;                  ///< how many of these are true
+    std::vector<FaceVertices> faces_;  ///< if the normals' turning counts: all of them
 };
 
 /// Returns how far control points in the box may be from where the scene's keys have them, unseen:

@@ -1,5 +1,6 @@
 #include "lod/deformed_cage.h"
 
+#include "base/matrix.h"
 #include "base/stopwatch.h"
 #include "scenegraph/posed_faces.h"
 
@@ -48,13 +49,12 @@ DeformedCage::DeformedCage(const CageSlot& slot, const CagePose& pose, const dou
         int mirrored = 0;
         for (const JointBox& used : slot.deform[0].joints) {
             if (used.joint < joint_count_) joints[used.joint] = frame_from_mesh_ * pose.joints[used.joint];
-            mirrored += glm::determinant(Mat3d(used.joint < joint_count_ ? joints[used.joint] : frame_from_mesh_)) < 0 ? 1
-                                                                                                                       : -1;
+            mirrored += mirrors(Mat3d(used.joint < joint_count_ ? joints[used.joint] : frame_from_mesh_)) ? 1 : -1;
         }
         joints_ = joints.data();
         is_mirrored_ = mirrored > 0;
     } else {
-        is_mirrored_ = glm::determinant(Mat3d(frame_from_mesh_)) < 0;
+        is_mirrored_ = mirrors(Mat3d(frame_from_mesh_));
     }
     const std::size_t blocks = (cage_.positions.size() + kBlock - 1) / kBlock;
     blocks_ = arena.make_array<Vec3f*>(blocks).data();

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
+#include "base/matrix.h"
 #include "lod/cage_motion.h"
 #include "lod/growth.h"
 
@@ -15,12 +17,10 @@ constexpr std::uint32_t kAllSegments = PosedCage::kAllSegments;
 /// Returns the map from a pose's dicing frame to object axes, unless the pose is so flat that rounding spoils it.
 std::optional<Mat4d> inverse_of(const PosedCage& cage) noexcept
 {
-    constexpr double kFlattest = 0x1p-20;  // the least determinant, as a part of the product of the columns' lengths
+    constexpr double kFlattest = 0x1p-20;
     Mat4d map = cage.world_from_object();
     map[3] -= Vec4d(cage.anchor, 0);
-    const double volume = glm::determinant(Mat3d(map)),
-                 longest = glm::length(Vec3d(map[0])) * glm::length(Vec3d(map[1])) * glm::length(Vec3d(map[2]));
-    if (!(std::abs(volume) > kFlattest * longest)) return std::nullopt;
+    if (!(std::abs(evenness(Mat3d(map))) > kFlattest)) return std::nullopt;
     return glm::inverse(map);
 }
 
@@ -54,6 +54,18 @@ int roundest_key(std::span<const PosedCage> keys) noexcept
         best = static_cast<int>(k);
     }
     return best;
+}
+
+// A flat pose of a rigid cage has no orientation of its own. It gets that of the nearest key before it, or else after it,
+// that is not flat, so that normals do not turn over between keys.
+void orient_flat_keys(std::span<PosedCage> keys) noexcept
+{
+    const auto is_flat = [](const PosedCage& key) { return !key.deformed && flattens(key.linear_map()); };
+    const auto first = std::find_if_not(keys.begin(), keys.end(), is_flat);
+    if (first == keys.end()) return;
+    for (PosedCage& key : std::span(keys.begin(), first)) key.is_mirrored = first->is_mirrored;
+    for (auto key = first; key != keys.end(); ++key)
+        if (is_flat(*key)) key->is_mirrored = std::prev(key)->is_mirrored;
 }
 
 // Makes the filter of the displacement's texture the same part of the surface at all keys. Edges of levels are about the key
@@ -152,6 +164,7 @@ std::span<PosedCage> CageMotion::pose_keys(const PosedCage& still, int segments,
 PosedCage& CageMotion::finish_keys(std::span<PosedCage> keys, std::span<const double> radii, std::uint32_t shown,
                                    const PosingTools& tools) const
 {
+    orient_flat_keys(keys);
     float reach = 0;
     for (const PosedCage& key : keys) reach = std::max(reach, key.displacement.reach);
     for (PosedCage& key : keys) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "base/matrix.h"
+
 namespace occam::lod {
 
 void PosedCage::place(const Mat4d& world_from_object, const Box3d& object_bounds) noexcept
@@ -27,7 +29,7 @@ void PosedCage::set_map(const Mat4d& world_from_object) noexcept
         frame_from_object[r][3] = world_from_object[3][r] - anchor[r];
         for (int c = 0; c < 4; ++c) columns[c][r] = frame_from_object[r][c];
     }
-    is_mirrored = glm::determinant(Mat3d(world_from_object)) < 0;
+    is_mirrored = mirrors(Mat3d(world_from_object));
 }
 
 Mat4d PosedCage::world_from_object() const noexcept
@@ -94,7 +96,6 @@ Vec3d turned_by_cofactors(const Mat3d& map, Vec3d n) noexcept
     return glm::cross(map[1], map[2]) * n.x + glm::cross(map[2], map[0]) * n.y + glm::cross(map[0], map[1]) * n.z;
 }
 
-bool mirrors(const Mat3d& map) noexcept { return glm::determinant(map) < 0; }
 Mat3d between(const Mat3d& a, const Mat3d& b, float share) noexcept { return a * (1 - double(share)) + b * double(share); }
 
 }  // namespace

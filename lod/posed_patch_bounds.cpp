@@ -113,10 +113,14 @@ void PosedPatch::bounds_below(const PatchClass::Node& node, float u0, float u1, 
         return;
     }
     if (kind == PatchClass::Node::Direct) {
-        Box3f corners;
-        for (int c = 0; c < 4; ++c)
-            corners.add(direct(node, node.u0 + (c & 1 ? size_u : 0), node.v0 + (c & 2 ? size_v : 0)).p);
-        box.add({corners.lo - corners.extent(), corners.hi + corners.extent()});
+        // Next to an extraordinary vertex the surface is no quadratic, so the box of the points is grown by more than
+        // PatchHull::kLatticeGrowth.
+        const float from_u = std::max(u0, node.u0), half_u = 0.5f * (std::min(u1, node.u0 + size_u) - from_u),
+                    from_v = std::max(v0, node.v0), half_v = 0.5f * (std::min(v1, node.v0 + size_v) - from_v);
+        Box3f lattice;
+        for (int k = 0; k < 9; ++k)
+            lattice.add(direct(node, from_u + half_u * float(k % 3), from_v + half_v * float(k / 3)).p);
+        box.add({lattice.lo - lattice.extent(), lattice.hi + lattice.extent()});
         return;
     }
     const auto clip = [](float t, float t0, int depth) { return std::clamp(local(t, t0, depth), 0.0, 1.0); };

@@ -30,8 +30,10 @@ lod::LevelSettings levels_of(const Settings& settings, const FrameScale& scale, 
     lod::LevelSettings levels = settings.lod_camera ? lod_camera_of(settings, scale).levels(settings.shading_rate)
                                                     : camera.levels(settings.shading_rate);
     levels.mode = mode_of(settings.lod);
-    // A blurred surface needs no more detail than its samples can tell, unless the camera may follow it.
-    const bool may_be_coarse = settings.lod != Lod::Off && !settings.lod_camera && !camera.moves() && levels.pixel.b > 0;
+    // A blurred surface needs no more detail than its samples can tell, unless the camera may follow it. Colours that are
+    // made at vertices need all of them: along the stripes of a texture motion hides nothing.
+    const bool may_be_coarse = settings.lod != Lod::Off && settings.shade_at == ShadeAt::Hit && !settings.lod_camera &&
+                               !camera.moves() && levels.pixel.b > 0;
     if (may_be_coarse) levels.strata = settings.spp;
     return levels;
 }

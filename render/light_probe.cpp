@@ -59,7 +59,7 @@ std::vector<Glimpse> small_picture(const FrameInputs& in, const FrameScale& scal
 {
     const Settings settings = small_settings(in.settings, columns);
     const CameraRays camera(scale.placed(in.camera), settings.width, settings.height, settings.spp, settings.shading_rate);
-    const Sampler sampler(settings.seed, settings.spp, settings.jitter);
+    const Sampler sampler(kSketchSeed, settings.spp, settings.jitter);
     const PixelFilter filter(settings.filter, settings.filter_radius);
     FrameContext context{settings, camera, sampler, filter, lights, in.textures, true};
     context.moves = camera.moves() || in.scene.shutter_segments() > 0;

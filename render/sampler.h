@@ -84,6 +84,10 @@ struct SurfaceNumbers {
     alignas(32) float lobe[SurfacesToDraw::kMost];
 };
 
+/// Of what is found out about a frame before it is made: pictures of the same scene that differ in their seeds alone, and
+/// may be averaged, must not differ in it.
+inline constexpr std::uint64_t kSketchSeed = 0;
+
 class Sampler {
 public:
     /// jitter   false: every sample goes through the middle of its pixel

@@ -70,7 +70,7 @@ struct FrameStats {
         std::uint64_t checksum = 0;
         std::uint64_t samples = 0;             ///< all samples; fewer than spp a pixel where Settings::error ends some early
         int least_samples = 0;                 ///< least number of a pixel that is not done; spp if all are done
-        std::uint64_t samples_not_finite = 0;  ///< left out of the picture
+        std::uint64_t samples_not_finite = 0;  ///< black in the picture
     } image;
     Settings settings;
     int threads = 0;

@@ -1,4 +1,4 @@
-// Measures a posed cage by some of its faces, where all of them would take too long.
+// Measures a posed cage by its faces, or by some of them where all would take too long.
 //
 // Threads  any number.
 #pragma once
@@ -15,12 +15,11 @@ namespace occam {
 /// The vertices of a face.
 using FaceVertices = std::span<const std::uint32_t>;
 
-/// Returns at most kSomeFaces faces, evenly spaced in their order. It visits all of them.
-inline constexpr std::size_t kSomeFaces = 128;
-inline std::vector<FaceVertices> some_faces(const Cage& cage)
+/// Returns every step-th face of a cage.
+inline std::vector<FaceVertices> faces_of(const Cage& cage, std::size_t step = 1)
 {
     const FaceVertices vertices(cage.face_vertices);
-    const std::size_t count = cage.face_count(), step = std::max<std::size_t>(1, (count + kSomeFaces - 1) / kSomeFaces);
+    const std::size_t count = cage.face_count();
     std::vector<FaceVertices> faces;
     std::size_t first = 0;
     for (std::size_t face = 0; face < count; ++face) {
@@ -29,6 +28,12 @@ inline std::vector<FaceVertices> some_faces(const Cage& cage)
         first += size;
     }
     return faces;
+}
+/// Returns at most kSomeFaces faces, evenly spaced in their order. It visits all of them.
+inline constexpr std::size_t kSomeFaces = 128;
+inline std::vector<FaceVertices> some_faces(const Cage& cage)
+{
+    return faces_of(cage, std::max<std::size_t>(1, (cage.face_count() + kSomeFaces - 1) / kSomeFaces));
 }
 
 /// Returns a vertex as morph targets move it.

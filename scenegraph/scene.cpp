@@ -12,13 +12,16 @@ namespace occam {
 
 namespace {
 
-// Returns the rigid part of a matrix, because a camera does not scale.
+// Returns the rigid part of a matrix, because a camera does not scale. An axis that is scaled to zero follows from the
+// others.
 Mat4d rigid(const Mat4d& m)
 {
     Vec3d back(m[2]);
+    if (!(glm::length(back) > 0)) back = glm::cross(Vec3d(m[0]), Vec3d(m[1]));
     if (!(glm::length(back) > 0)) back = Vec3d(0, 0, 1);
     back = back / glm::length(back);
     Vec3d right = glm::cross(Vec3d(m[1]), back);
+    if (!(glm::length(right) > 0)) right = Vec3d(m[0]) - back * glm::dot(Vec3d(m[0]), back);
     if (!(glm::length(right) > 0)) right = glm::cross(std::abs(back.y) < 0.9 ? Vec3d(0, 1, 0) : Vec3d(1, 0, 0), back);
     right = right / glm::length(right);
     return {Vec4d(right, 0), Vec4d(glm::cross(back, right), 0), Vec4d(back, 0), Vec4d(Vec3d(m[3]), 1)};

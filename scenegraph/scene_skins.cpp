@@ -9,6 +9,7 @@
 #include <unordered_set>
 
 #include "base/error_without_file.h"
+#include "base/matrix.h"
 #include "scenegraph/content_rules.h"
 #include "scenegraph/scene_state.h"
 
@@ -138,9 +139,8 @@ Mat4d Scene::State::node_from_skin(NodeId id, const SkinRecord& skin, std::optio
     if (has_no_joint(skin)) return Mat4d(1);
     const NodeId top = skin.base ? lowest_common(id, skin.base) : NodeId();
     const Mat4d top_from_node = path(top, id, key);
-    // A node that is scaled to zero shows nothing, so all of its points may collapse.
-    const double size = glm::determinant(Mat3d(top_from_node));
-    if (size == 0 || !std::isfinite(size)) return {Vec4d(0), Vec4d(0), Vec4d(0), Vec4d(0, 0, 0, 1)};
+    // What a node wears that is scaled to zero, along one axis at least, shows nothing, so all of its points may collapse.
+    if (flattens(Mat3d(top_from_node))) return {Vec4d(0), Vec4d(0), Vec4d(0), Vec4d(0, 0, 0, 1)};
     return glm::inverse(top_from_node) * path(top, skin.base, key);
 }
 

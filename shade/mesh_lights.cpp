@@ -9,6 +9,7 @@
 
 #include "base/error_without_file.h"
 #include "base/luminance.h"
+#include "base/matrix.h"
 #include "base/morton.h"
 #include "scenegraph/contents.h"
 #include "scenegraph/hidden_nodes.h"
@@ -203,7 +204,7 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
         if (density > 0 && std::isfinite(found.area[s])) power_ += double(density) * found.area[s];
         if (!(density > 0) || !is_sampled || scene.find(node.skin) || unsampled.contains(material)) continue;
         known_.push_back({id, material, density});
-        const bool is_mirrored = glm::determinant(Mat3d(world_from_object)) < 0;
+        const bool is_mirrored = mirrors(Mat3d(world_from_object));
         const Mesh mesh{id, &cage, material, world_from_object, density, is_mirrored, extent};
         const std::size_t before = sums_.size();
         for (const std::uint32_t face : found.of(s)) {

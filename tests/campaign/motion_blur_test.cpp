@@ -217,7 +217,7 @@ TEST(MotionBlur, OfCagesWithLongEdgesIsNearlyThatOfFineOnes)
     constexpr int kPictures = 8;
     Moving moving = stage();
     const Camera far = Camera::look_at({0, 1.6, 12}, {0, 0, 0}, {0, 1, 0}, 0.35f);
-    const CageId cage = moving.scene.add(torus());
+    const CageId cage = moving.scene.add(torus(9, 5, false));
     std::vector<NodeId> nodes;
     for (int k = 0; k < 2; ++k) nodes.push_back(place(moving.scene, cage, {0, 2.0 * k - 1, 0}, 2));
     moving.scene.record_shutter(1, [&](double tau) {

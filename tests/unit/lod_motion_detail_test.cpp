@@ -1,9 +1,11 @@
-// Tests of the detail of cages that move (lod/cage_motion.h): what motion makes coarser, how displaced ones are filtered,
-// and how many keys those need.
+// Tests of the detail of cages that move (lod/cage_motion.h): what motion makes coarser, and how many keys they need.
 #include <gtest/gtest.h>
+
+#include <glm/ext/matrix_transform.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -107,19 +109,41 @@ TEST(MotionDetail, FollowsTheDistanceMovedAcrossTheLineOfSight)
     square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
     square.face_vertices = {0, 1, 2, 3};
     square.face_sizes = {4};
-    for (const bool is_written : {false, true}) {
-        const auto of_square = [&](auto&& what) {
-            Scene scene;
-            return of_cage(scene, square, sliding({10, 0, 0}, is_written), what);
-        };
-        const double across = of_square([](const lod::CageMotion& m) { return m.least_distance_across(kEye); });
-        EXPECT_LE(across, 10);
-        EXPECT_GT(across, 7);  // the lines of sight differ by up to a sixth
-        const int level = of_square([](const lod::CageMotion& m) { return level_seen_from_afar(16, m); });
-        const double longest = lod::LevelSettings::kLongestEdge * across / 16;
-        EXPECT_LE(lod::edge_length(level), longest);
-        EXPECT_GT(lod::edge_length(level + 1), longest);
-    }
+    const auto of_square = [&](auto&& what) {
+        Scene scene;
+        return of_cage(scene, square, sliding({10, 0, 0}, false), what);
+    };
+    const double across = of_square([](const lod::CageMotion& m) { return m.least_distance_across(kEye); });
+    EXPECT_LE(across, 10);
+    EXPECT_GT(across, 7);  // the lines of sight differ by up to a sixth
+    const int level = of_square([](const lod::CageMotion& m) { return level_seen_from_afar(16, m); });
+    const double longest = lod::LevelSettings::kLongestEdge * across / 16;
+    EXPECT_LE(lod::edge_length(level), longest);
+    EXPECT_GT(lod::edge_length(level + 1), longest);
+}
+
+// Each of these bends within less than twice its edges, which the normals of its vertices alone do not tell.
+TEST(MotionDetail, SeesHowASurfaceBendsBetweenItsVertices)
+{
+    const auto sheet = [](auto&& height) {
+        Cage cage;
+        for (int j = 0; j <= 8; ++j)
+            for (int i = 0; i <= 8; ++i) cage.positions.push_back({float(i), float(j), height(i, j)});
+        for (std::uint32_t j = 0; j < 8; ++j)
+            for (std::uint32_t i = 0; i < 8; ++i) {
+                const std::uint32_t a = j * 9 + i;
+                cage.face_vertices.insert(cage.face_vertices.end(), {a, a + 1, a + 10, a + 9});
+                cage.face_sizes.push_back(4);
+            }
+        return cage;
+    };
+    const auto bumps = [](int i, int j) { return (i + j) % 2 ? 0.5f : -0.5f; };
+    const auto grooves = [](int i, int) { return i % 2 ? 0.5f : -0.5f; };
+    const auto twisted = [](int i, int j) { return 0.25f * float(i - 4) * float(j - 4); };
+    EXPECT_LT(lod::least_radius_of_curvature(sheet(bumps)), 2);
+    EXPECT_LT(lod::least_radius_of_curvature(sheet(grooves)), 2);
+    EXPECT_LT(lod::least_radius_of_curvature(sheet(twisted)), 4) << "the surface z = x y / 4 bends with a radius of 4";
+    EXPECT_EQ(lod::least_radius_of_curvature(sheet([](int, int) { return 0.0f; })), std::numeric_limits<double>::infinity());
 }
 
 // The tube of the torus is thinner than a pixel, and a chord of a pixel would cut off much of it.
@@ -131,8 +155,8 @@ TEST(MotionDetail, OfThinCagesIsThatOfStillOnes)
     Cage large = torus();
     for (Vec3f& p : large.positions) p *= 8.0f;
     Scene scene;
-    EXPECT_GE(of_cage(scene, large, sliding({10, 0, 0}, false), edge), 4 * of_torus(sliding({10, 0, 0}, false), edge))
-        << "but not that of thick ones";
+    EXPECT_GE(of_cage(scene, large, sliding({10, 0, 0}, false), edge), 2 * of_torus(sliding({10, 0, 0}, false), edge))
+        << "edges are as long as the root of eight allows, rounded to a power of two";
 }
 
 TEST(MotionDetail, FollowsTheCageWhereItsVerticesAreWritten)
@@ -163,22 +187,66 @@ TEST(MotionDetail, IsFullWhereAPointMayStandStillInThePicture)
                  [&](const lod::CageMotion& m) { EXPECT_EQ(level_seen_from_afar(1, m), lod::kFinestLevel) << motion.name; });
 }
 
-// A displacement that is longer than its cage is wide turns with the normals: some points go back by as much as the cage
-// goes on.
-TEST(MotionDetail, IsFullWhereADisplacedPointMayStandStill)
+// Nothing says how sharply these bend where they are seen, and displacement may be finer than the cage.
+TEST(MotionDetail, IsFullForWhatDeformsOrIsDisplaced)
 {
-    Cage small = torus();
-    for (Vec3f& p : small.positions) p *= 0.01f;
-    add_charts(small);
-    DisplacedCage displaced("small", small, 1, 3);
-    const auto turned = [](Vec3f p, double tau) {
-        const double c = std::cos(tau), s = std::sin(tau);
-        return Vec3f(Vec3d(c * p.x - s * p.y + 0.8 * tau, s * p.x + c * p.y, p.z));
+    const auto level = [](const lod::CageMotion& m) { return level_seen_from_afar(1, m); };
+    EXPECT_GT(of_torus(sliding({10, 0, 0}, false), level), lod::kFinestLevel);
+    EXPECT_EQ(of_torus(sliding({10, 0, 0}, true), level), lod::kFinestLevel);
+    Cage charted = torus();
+    add_charts(charted);
+    DisplacedCage displaced("displaced", charted, 0.01f, 3);
+    EXPECT_EQ(of_cage(displaced.scene, displaced.cage, sliding({10, 0, 0}, false), level), lod::kFinestLevel);
+    Cage morphed = torus();
+    morphed.morph_targets.emplace_back().positions = morphed.positions;
+    morphed.morph_weights = {0.5f};
+    Scene scene;
+    EXPECT_EQ(of_cage(scene, morphed, sliding({10, 0, 0}, false), level), lod::kFinestLevel);
+}
+
+// A fin that is as long as the cage turns with its joint by two radians; straight lines between few keys would cut it short.
+TEST(MotionKeys, OfADisplacedSkinFollowWhatTurnsWithItsJoints)
+{
+    Cage charted = torus();
+    for (Vec3f& p : charted.positions) p *= 0.05f;
+    const auto segments = [&](float bound) {
+        Cage cage = charted;
+        add_charts(cage);
+        DisplacedCage displaced("fin", cage, bound, 3);
+        Motion motion{"skinned", 32, {}, {}, {}, {}};
+        motion.upper_joint = [](double tau) { return glm::rotate(Mat4d(1), 2 * tau, Vec3d(0, 1, 0)); };
+        return of_cage(displaced.scene, displaced.cage, motion, [](const lod::CageMotion& m) { return m.segments(0.005); });
     };
-    const Motion motion{"turning", 1, {}, turned, {}, {}};
-    const auto least = [](const lod::CageMotion& m) { return m.least_distance_across(kEye); };
-    EXPECT_GT(of_torus({"turning", 1, {}, [&](Vec3f p, double tau) { return turned(p * 0.01f, tau); }, {}, {}}, least), 0.5);
-    EXPECT_LE(of_cage(displaced.scene, displaced.cage, motion, least), 0.1);
+    EXPECT_GE(segments(1), 8) << "a chord of 2 radians / 8 leaves its arc by 1 / 128 of the radius";
+    EXPECT_LT(segments(0.001f), segments(1));
+}
+
+// One face of many turns.
+TEST(MotionKeys, OfWrittenVerticesFollowEachFaceThatTurns)
+{
+    for (const int side : {4, 100}) {
+        Cage cage;
+        for (int j = 0; j <= side; ++j)
+            for (int i = 0; i <= side; ++i) cage.positions.push_back({float(i), float(j), 0});
+        for (int j = 0; j < side; ++j)
+            for (int i = 0; i < side; ++i) {
+                const auto a = static_cast<std::uint32_t>(j * (side + 1) + i), up = static_cast<std::uint32_t>(side + 1);
+                cage.face_vertices.insert(cage.face_vertices.end(), {a, a + 1, a + up + 1, a + up});
+                cage.face_sizes.push_back(4);
+            }
+        add_charts(cage);
+        DisplacedCage displaced("one", cage, 1, 3);
+        Motion motion{"one face turns", 32, {}, {}, {}, {}};
+        motion.vertex = [](Vec3f p, double tau) {
+            if (p.x < 1 || p.x > 2 || p.y < 1 || p.y > 2) return p;
+            const Vec3f d = p - Vec3f(1.5f, 1.5f, 0);
+            const auto c = static_cast<float>(std::cos(2 * tau)), s = static_cast<float>(std::sin(2 * tau));
+            return Vec3f(1.5f + c * d.x, p.y, s * d.x);
+        };
+        EXPECT_GE(
+            of_cage(displaced.scene, displaced.cage, motion, [](const lod::CageMotion& m) { return m.segments(0.02); }), 8)
+            << side;
+    }
 }
 
 TEST(MotionDetail, IsNoCoarserThanFourPixelsAndNeedsToKnowTheSamples)
@@ -191,169 +259,6 @@ TEST(MotionDetail, IsNoCoarserThanFourPixelsAndNeedsToKnowTheSamples)
     };
     EXPECT_EQ(level(0), lod::kFinestLevel);
     EXPECT_LE(lod::edge_length(level(1)), 4 * lod::LevelSettings::kLongestEdge * 0.01 * 40);
-}
-
-struct Growth {
-    const char* name;
-    Vec3d from, to;
-    bool is_written;  ///< vertices are written at keys, in place of a node that scales
-
-    // It is not linear, so that all keys are needed.
-    Vec3d at(double tau) const { return glm::mix(from, to, tau * tau); }
-};
-const Growth kGrowths[] = {
-    {"grows", Vec3d(0.05), Vec3d(1), false},
-    {"shrinks", Vec3d(1), Vec3d(0.05), false},
-    {"grows from a point", Vec3d(0), Vec3d(1), false},
-    {"grows by a large factor", Vec3d(1e-4), Vec3d(1), false},
-    {"grows through its mirror image", Vec3d(-0.2), Vec3d(1), false},
-    {"has vertices that grow", Vec3d(0.05), Vec3d(1), true},
-};
-
-// Poses a displaced cage at all keys, and dices it there.
-class DisplacedMotion {
-public:
-    DisplacedMotion(DisplacedCage& displaced, const Growth& growth, int segments)
-    {
-        const auto scale = [growth](double tau) { return growth.at(tau); };
-        Motion motion{growth.name, segments, {}, {}, {}, {}};
-        if (growth.is_written) motion.vertex = [=](Vec3f p, double tau) { return Vec3f(Vec3d(p) * scale(tau)); };
-        else motion.matrix = [=](double tau) { return scaled_by(scale(tau)); };
-        const NodeId id = add_moving(scene_, displaced.cage, motion);
-        scene_.refit();
-        const Node& node = scene_.node(id);
-        const CageSlot& slot = scene_.cage(node.cages.front());
-        matrices_ = scene_.world_from_node_keys(id);
-        if (matrices_.empty()) matrices_ = {scene_.world_from_node(id)};
-        lod::LevelSettings levels;
-        levels.motion_edges = 0;
-        posed = &lod::pose_cage({slot, node, id, nullptr, matrices_, segments}, levels,
-                                {topologies_.get(slot), &displaced.textures, arena_, counters_});
-    }
-    // Returns by how much displacement moves the vertices of a tile in a pose, in lengths of the object.
-    std::vector<Vec3d> offsets(const lod::PosedCage& pose, const lod::TileRef& tile, double scale)
-    {
-        lod::PosedCage moved = pose;
-        moved.keys = nullptr;
-        moved.segments = 0;
-        lod::PosedCage smooth = moved;
-        smooth.displacement.of = nullptr;
-        lod::Dicer with, without;
-        const lod::LevelGrid a = with.dice(moved, tile, arena_), b = without.dice(smooth, tile, arena_);
-        std::vector<Vec3d> all;
-        for (int v = 0; v < (tile.columns + 1) * (tile.rows + 1); ++v) all.push_back(Vec3d(a.at(v) - b.at(v)) / scale);
-        return all;
-    }
-    lod::TileRef tile_of(std::uint32_t face, int level)
-    {
-        const lod::PatchRates rates = lod::Dicer().scale(*posed, {face, 0}).rates(level);
-        const auto side = [](int exponent) {
-            return static_cast<std::uint16_t>(std::min(1 << exponent, int(lod::TileRef::kMaxSide)));
-        };
-        return {{face, 0}, rates, 0, 0, side(rates.u), side(rates.v)};
-    }
-
-    lod::PosedCage* posed;
-
-private:
-    Scene scene_;
-    std::vector<Mat4d> matrices_;
-    lod::TopologyCache topologies_;
-    lod::DeformCounters counters_;
-    Arena arena_;
-};
-
-double farthest(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b)
-{
-    double most = 0;
-    for (std::size_t v = 0; v < a.size(); ++v) most = std::max(most, glm::distance(a[v], b[v]));
-    return most;
-}
-
-// Before, the texture was filtered by the size at each key, or at the middle one, although levels are about the largest.
-TEST(DisplacedMotion, ACageThatGrowsIsDisplacedByThePartOfItsSizeThatItHasWhereItIsLargest)
-{
-    constexpr int kLevel = -5;
-    for (const Growth& growth : kGrowths)
-        for (const int segments : {1, 4}) {
-            DisplacedCage displaced = displaced_case(0);
-            DisplacedMotion motion(displaced, growth, segments);
-            ASSERT_EQ(motion.posed->segments, segments);
-            const bool grows = growth.to.x > growth.from.x;
-            const lod::PosedCage& largest = motion.posed->keys[grows ? segments : 0];
-            const bool has_still = motion.posed->still_pose != nullptr;
-            EXPECT_EQ(has_still, !growth.is_written && std::string(growth.name).find("grows ") == std::string::npos);
-            for (std::uint32_t face = 0; face < 12; face += 3) {
-                const lod::TileRef tile = motion.tile_of(face, kLevel);
-                const std::vector<Vec3d> full = motion.offsets(largest, tile, 1);
-                EXPECT_GT(farthest(full, std::vector<Vec3d>(full.size())), 0.1 * double(displaced.cage.displacement->bound));
-                for (int key = 0; key <= segments; ++key) {
-                    const double size = growth.at(double(key) / segments).x;
-                    if (std::abs(size) < 0.01) continue;
-                    const std::vector<Vec3d> there = motion.offsets(motion.posed->keys[key], tile,
-                                                                    growth.is_written ? 1 : size);
-                    EXPECT_LT(farthest(there, full), 0.03 * double(displaced.cage.displacement->bound))
-                        << growth.name << " at key " << key;
-                }
-                if (!has_still) continue;
-                EXPECT_LT(farthest(motion.offsets(*motion.posed->still_pose, tile, 1), full),
-                          0.03 * double(displaced.cage.displacement->bound))
-                    << growth.name;
-            }
-        }
-}
-
-// A sheet of 4 x 4 faces that stands up along straight lines while its weight, or tau, goes from 0 to 1.
-Cage sheet(bool is_displaced)
-{
-    Cage cage;
-    UvSet set;
-    for (int i = 0; i < 5; ++i)
-        for (int k = 0; k < 5; ++k) {
-            cage.positions.push_back({0.5f * float(i) - 1, 0, 0.5f * float(k) - 1});
-            set.values.push_back({0.25f * float(i), 0.25f * float(k)});
-        }
-    for (std::uint32_t i = 0; i < 4; ++i)
-        for (std::uint32_t k = 0; k < 4; ++k) {
-            for (const std::uint32_t v : {i * 5 + k, i * 5 + k + 1, i * 5 + k + 6, i * 5 + k + 5})
-                cage.face_vertices.push_back(v);
-            cage.face_sizes.push_back(4);
-        }
-    cage.uv_sets = {set};
-    if (!is_displaced) return cage;
-    cage.displacement = Displacement{};
-    cage.displacement->scale = cage.displacement->bound = 0.8f;
-    return cage;
-}
-Vec3f stood_up(Vec3f p) { return {0, p.x, p.z}; }
-
-// Before, no path but those of control points was looked at, which are straight.
-TEST(DisplacedMotion, WhatTurnsWhileItsVerticesGoStraightNeedsKeysForItsNormals)
-{
-    const PathTolerance tolerance{{0, 0, 100}, 0.01, 0};
-    for (const bool is_written : {false, true})
-        for (const bool is_displaced : {false, true}) {
-            Scene scene;
-            Cage cage = sheet(is_displaced);
-            const std::vector<Vec3f> rest = cage.positions;
-            MorphTarget target;
-            for (const Vec3f p : rest) target.positions.push_back(stood_up(p) - p);
-            if (!is_written) cage.morph_targets = {target};
-            const CageId id = scene.add(cage);
-            const NodeId node = scene.add_node(scene.root(), {.cages = {id}});
-            scene.record_shutter(32, [&](double tau) {
-                std::vector<Vec3f> moved;
-                for (const Vec3f p : rest) moved.push_back(glm::mix(p, stood_up(p), float(tau)));
-                if (is_written) scene.write_vertices(id, moved);
-                else scene.set_morph_weights(node, {float(tau)});
-            });
-            scene.refit();
-            const Mat4d place(1);
-            const int measured = lod::CageMotion(scene.cage(id), scene.node(node), nullptr, {&place, 1}, 32).segments(0.01);
-            EXPECT_EQ(needed_segments(scene, tolerance) > 4, is_displaced) << is_written;
-            EXPECT_EQ(measured > 4, is_displaced) << is_written;
-            EXPECT_EQ(measured == 1, !is_displaced) << is_written;
-        }
 }
 
 }  // namespace

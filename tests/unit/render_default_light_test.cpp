@@ -87,6 +87,24 @@ TEST(DefaultLight, StaysAwayWhereTheLampMovesOrIsACage)
     }
 }
 
+// Pictures of several seeds may be averaged, so the seed has no say.
+TEST(DefaultLight, DoesNotDependOnTheSeed)
+{
+    int with = 0, scenes = 0;
+    for (float strength = 0.02f; strength < 3; strength *= 1.5f, ++scenes) {
+        Scene scene;
+        add_square(scene, {0, 0, 0}, 3, Vec3f(0.8f), 0);
+        add_square(scene, {0, 2, 2.5f}, 0.7f, Vec3f(0), strength);
+        Settings settings;
+        const bool has_default = render(scene, {0, 9, 0.01}, settings).has_default;
+        with += has_default;
+        for (settings.seed = 1; settings.seed < 6; ++settings.seed)
+            EXPECT_EQ(render(scene, {0, 9, 0.01}, settings).has_default, has_default) << strength << ' ' << settings.seed;
+    }
+    EXPECT_GT(with, 0);
+    EXPECT_LT(with, scenes);
+}
+
 TEST(DefaultLight, IsForcedOrForbiddenBySettings)
 {
     Scene scene;

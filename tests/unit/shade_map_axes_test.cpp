@@ -2,6 +2,8 @@
 // also while the surface moves; and of what phase one makes between vertices.
 #include <gtest/gtest.h>
 
+#include <glm/ext/matrix_transform.hpp>
+
 #include <cmath>
 #include <functional>
 #include <utility>

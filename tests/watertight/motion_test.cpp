@@ -156,9 +156,9 @@ TEST(MovingCages, LetNoRayOutWhereMotionMakesThemCoarser)
         finest = std::min(finest, hit.level);
     }
     EXPECT_EQ(escaped, 0u) << "of " << rays.size();
-    // Chords of an edge of full detail, 0.057, may cut off a twentieth of that where the tube bends most, with a radius of
-    // 0.07 to 0.14: they are 0.04 to 0.056 long. Rays ask for edges down to 2^-8.
-    EXPECT_EQ(finest, -5);
+    // Chords of an edge of full detail, 0.057, may cut off a twentieth of that where the control points of the tube are
+    // nearest to each other, which tell of a radius of 0.038: they are 0.029 long. Rays ask for edges down to 2^-8.
+    EXPECT_EQ(finest, -6);
 }
 
 }  // namespace
