@@ -213,6 +213,7 @@ constexpr PictureFormat kFormats[] = {
      .contents = "the picture as a screen shows it, 8 bits, with alpha where it is transparent",
      .is_for_display = true,
      .needs_codec = false,
+     .largest_side = 1'000'000,
      .write = write_png},
     {.extensions = ".jpg .jpeg",
      .name = "JPEG",
@@ -220,6 +221,7 @@ constexpr PictureFormat kFormats[] = {
      .is_for_display = true,
      .codec_name = "jpeg",
      .end_mark = "\xff\xd9"sv,
+     .largest_side = 65500,
      .write = write_jpeg},
     {.extensions = ".tif .tiff",
      .name = "TIFF",
@@ -267,6 +269,15 @@ const PictureFormat& required_picture_format(const fs::path& file)
                 "has no extension of a format that can be written: " + extensions_of(picture_formats(), true));
 }
 
+void check_sides(const fs::path& file, int width, int height)
+{
+    const PictureFormat& format = required_picture_format(file);
+    if (std::max(width, height) > format.largest_side)
+        refuse(file, "cannot be written: it has " + std::to_string(width) + " x " + std::to_string(height) +
+                         " pixels, and " + std::string(format.name) + " allows " + std::to_string(format.largest_side) +
+                         " a side");
+}
+
 void Image::check_writable(const fs::path& file)
 {
     const PictureFormat& format = required_picture_format(file);
@@ -278,6 +289,7 @@ void Image::write(const fs::path& file, const WriteOptions& options) const
 {
     check_writable(file);
     if (width < 1 || height < 1) refuse(file, "there is no picture to write");
+    check_sides(file, width, height);
     if (layers().empty()) refuse(file, "there is no layer to write");
     if (options.exposure_ev && !std::isfinite(*options.exposure_ev)) refuse(file, "the exposure is not a finite number");
     for (const Layer& layer : layers())
