@@ -184,8 +184,10 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
     display.say("writing " + a.output.string());
     const auto write_start = Clock::now();
     write.note = note_in_file(note, stats.complete);
+    held.allow_time();
     job.image().write(a.output, write);
     const bool can_go_on = checkpoint_file.write(note, job);
+    held.limit();
     add_seconds(stats, load_seconds, edit_seconds, seconds_since(write_start));
     if (can_go_on)
         display.say("stopped at " + std::to_string(stats.image.least_samples) + " of " + std::to_string(settings.spp) +
