@@ -1,4 +1,12 @@
 // Tests of pictures that are larger than a format of files allows.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+
+#include <cstring>
+
 #include "base/error.h"
 #include "render/picture_formats.h"
 #include "tests/support/command_test.h"
@@ -20,16 +28,17 @@ render::Image line(int length, bool is_row)
 
 TEST_F(PictureSizes, AreWrittenUpToTheLargestOfTheirFormatAndRefusedBeyond)
 {
-    constexpr int kSomeLonger = 1'000'100;
+    constexpr int kSomeLonger = 70'000;
     for (const render::PictureFormat& format : render::picture_formats()) {
         const fs::path file = folder / ("a" + std::string(format.extensions.substr(0, format.extensions.find(' '))));
-        const int largest = std::min(format.largest_side, kSomeLonger);
+        const bool has_limit = format.largest_side < std::numeric_limits<int>::max();
+        const int largest = has_limit ? format.largest_side : kSomeLonger;
         for (const bool is_row : {true, false}) {
             line(largest, is_row).write(file);
             const render::PictureHead head = render::Image::read_head(file);
             EXPECT_EQ(is_row ? head.width : head.height, largest) << file;
             fs::remove(file);
-            if (largest == kSomeLonger) continue;
+            if (!has_limit) continue;
             try {
                 line(largest + 1, is_row).write(file);
                 ADD_FAILURE() << file << " was written";
@@ -41,6 +50,48 @@ TEST_F(PictureSizes, AreWrittenUpToTheLargestOfTheirFormatAndRefusedBeyond)
         }
     }
     EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1) << "nothing but the scene is left";
+}
+
+// Writes black halves, of which the library holds a few rows at a time.
+void write_black(const fs::path& file, int width, int height, int channels)
+{
+    Imf::Header header(width, height);
+    header.compression() = Imf::RLE_COMPRESSION;
+    header.insert("occam:note", Imf::StringAttribute("a note"));
+    Imf::FrameBuffer buffer;
+    std::vector<half> row(std::size_t(width), half(0));
+    for (int i = 0; i < channels; ++i) {
+        const std::string name = "c" + std::to_string(i);
+        header.channels().insert(name, Imf::Channel(Imf::HALF));
+        buffer.insert(name, Imf::Slice(Imf::HALF, reinterpret_cast<char*>(row.data()), sizeof(half), 0));
+    }
+    Imf::OutputFile output(file.c_str(), header, 0);
+    output.setFrameBuffer(buffer);
+    output.writePixels(height);
+}
+
+// A sequence that goes on reads the heads of its frames, however large they are.
+TEST_F(PictureSizes, DoNotMatterWhereOnlyTheHeadIsRead)
+{
+    const fs::path file = folder / "a.exr";
+    write_black(file, 4096, 2100, 64);
+    const render::PictureHead head = render::Image::read_head(file);
+    EXPECT_EQ(head.height, 2100);
+    EXPECT_EQ(head.note, "a note");
+}
+
+TEST_F(PictureSizes, OfAHeadThatLiesAreRefused)
+{
+    const fs::path file = folder / "a.exr";
+    write_black(file, 8, 8, 1);
+    const std::string whole = text_of(file);
+    const std::size_t at = whole.find("box2i", whole.find("dataWindow")) + 6 + 4;  // its name and size come before it
+    for (const auto& [right, bottom] : {std::pair(1 << 28, 7), std::pair(1 << 28, 1 << 29), std::pair(7, 1 << 30)}) {
+        std::string lies = whole;
+        std::memcpy(&lies[at + 8], &right, 4), std::memcpy(&lies[at + 12], &bottom, 4);
+        std::ofstream(file, std::ios::binary) << lies;
+        EXPECT_THROW(render::Image::read_head(file), Error) << right << ' ' << bottom;
+    }
 }
 
 // Rendering would take far longer than the test may.
