@@ -17,6 +17,7 @@
 #include "io/png_file.h"
 #include "io/texture/open_image.h"
 #include "render/display.h"
+#include "render/file_colors.h"
 #include "render/picture_formats.h"
 
 namespace occam::render {
@@ -238,6 +239,22 @@ std::pair<std::string, std::string> split_channel(const std::string& name)
     return {name.substr(0, dot), name.substr(dot + 1)};
 }
 
+// Makes the colours of a layer linear and multiplies them by its alpha, as far as the file has them otherwise.
+// power   of the encoding; 1: the values are linear, 0: they are sRGB
+void decode_colors(Layer& layer, float power, bool multiplies_alpha)
+{
+    const std::size_t n = layer.channel_count();
+    const auto found = std::find(layer.channels.begin(), layer.channels.end(), "A");
+    const auto alpha = static_cast<std::size_t>(found - layer.channels.begin());  // n if there is none
+    for (std::size_t i = 0; i < layer.pixels.size(); i += n)
+        for (std::size_t c = 0; c < n; ++c) {
+            float& value = layer.pixels[i + c];
+            if (c == alpha) continue;
+            if (power != 1) value = power == 0 ? linear_from_srgb(value) : std::pow(value, power);
+            if (multiplies_alpha && alpha < n) value *= layer.pixels[i + alpha];
+        }
+}
+
 // Returns pixels of a file, in the order in which the picture has them.
 std::vector<float> put_in_order(std::vector<float> pixels, const PictureSpec& spec, Orientation orientation)
 {
@@ -333,7 +350,10 @@ Image Image::read(const fs::path& file)
     image.y0 = spec.y - spec.full_y;
     image.full_width = spec.full_width;
     image.full_height = spec.full_height;
-    const bool encoded = !is_real(spec.type);
+    const bool is_png = in->format() == "png";
+    ImageBytes bytes(file);
+    const float power = is_real(spec.type) ? 1 : is_png ? png_power(bytes) : 0;
+    const bool multiplies_alpha = is_png || in->text_attribute("oiio:UnassociatedAlpha") == "1";
     for (std::size_t first = 0; first < channels;) {
         const std::string name = split_channel(spec.channels[first]).first;
         std::size_t end = first;
@@ -342,12 +362,8 @@ Image Image::read(const fs::path& file)
             names.push_back(split_channel(spec.channels[end]).second);
         Layer& layer = image.add_layer(name, std::move(names), spec.channel_type(first) == SampleType::Float);
         const std::size_t n = end - first;
-        for (std::size_t i = 0; i < count; ++i)
-            for (std::size_t c = 0; c < n; ++c) {
-                const float v = pixels[i * channels + first + c];
-                const bool color = encoded && layer.channels[c] != "A";
-                layer.pixels[i * n + c] = color ? linear_from_srgb(v) : v;
-            }
+        for (std::size_t i = 0; i < count; ++i) std::copy_n(&pixels[i * channels + first], n, &layer.pixels[i * n]);
+        decode_colors(layer, power, multiplies_alpha);
         first = end;
     }
     return image;
