@@ -143,7 +143,7 @@ struct Job::State {
         settings.clamp_as_shown = false;
         resumed = {};
         refuse_bad_textures();  // those whose texels turned out to be unreadable
-        render::describe(image, camera, settings);
+        render::describe(image, camera, settings, stats);
         render::describe_mattes(image, scene, settings);
         finish_stats();
     }

@@ -246,7 +246,9 @@ void make_frames(SequenceParts parts, const std::vector<int>& missing, std::size
         WriteOptions write = sequence.write_options();
         write.exposure_seconds = framing.exposure_seconds();
         write.note = note_in_file(sequence.note(frame, settings, camera), stats.complete);
+        held.allow_time();
         job.image().write(file, write);
+        held.limit();
         add_seconds(stats, load_seconds, edit_seconds, seconds_since(write_start));
         load_seconds = 0;
         if (!a.stats.empty()) all.add(frame, stats);

@@ -249,6 +249,8 @@ Settings Framing::settings(const Camera& camera) const
         settings.height = static_cast<int>(
             std::clamp(std::round(float(settings.width) / aspect), 1.0f, float(render::kMaxSide)));
     render::check(settings);
+    if (const render::PixelRect pixels = render::crop_pixels(settings); !arguments_.output.empty() && !arguments_.replay)
+        render::check_sides(arguments_.output, pixels.width(), pixels.height());
     return settings;
 }
 

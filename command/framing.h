@@ -39,7 +39,7 @@ public:
     Camera camera();
     Camera camera_named(const std::string& name) const;
     /// Returns the settings of the arguments. Their height follows from the aspect of a camera where no size was given.
-    /// Throws Error if they are not valid.
+    /// Throws Error if they are not valid, or if the format of the output cannot hold a picture of that size.
     Settings settings(const Camera& camera) const;
 
 private:

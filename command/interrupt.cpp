@@ -14,7 +14,7 @@ namespace occam::command {
 namespace {
 
 std::atomic<bool> held = false;
-std::atomic<bool> has_time = false;            // the limit that the first signal has set is lifted
+std::atomic<bool> has_time = false;            // the limit that the first signal sets is lifted
 std::atomic<std::int64_t> interrupted_at = 0;  // in milliseconds; 0: no signal was noted
 // A signal handler may use no other atomics.
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free);
@@ -83,10 +83,7 @@ HeldInterrupts::~HeldInterrupts() noexcept
     held.store(false);
 }
 
-void HeldInterrupts::allow_time() noexcept
-{
-    if (is_interrupted()) has_time.store(true);
-}
+void HeldInterrupts::allow_time() noexcept { has_time.store(true); }
 
 void HeldInterrupts::limit() noexcept
 {

@@ -26,8 +26,8 @@ public:
     HeldInterrupts(const HeldInterrupts&) = delete;
     HeldInterrupts& operator=(const HeldInterrupts&) = delete;
 
-    /// If a signal was noted, lets the process go on without a limit: what is done now is worth waiting for, and nobody can
-    /// hold it up as long as he likes. A signal that comes later has its limit.
+    /// Until limit(), lets the process go on without a limit after a first signal, be it noted already or not: what is done
+    /// now is worth waiting for, and nobody can hold it up as long as he likes.
     void allow_time() noexcept;
     /// From now on the process ends a second after its first signal, or a second from now if that was noted before.
     void limit() noexcept;

@@ -39,9 +39,12 @@ public:
     }
 
     /// Returns the checkpoint from which the picture continues; empty if it starts anew. Throws Error for the checkpoint of
-    /// another picture.
-    std::string read(const std::string& note) const
+    /// another picture, or if the picture starts anew, says that it stays.
+    std::string read(const std::string& note, ProgressDisplay& display) const
     {
+        if (!arguments_.resume && is_of_another(note))
+            display.announce(file_.string() + " is that of another picture and stays" +
+                             (arguments_.keeps_checkpoint() ? ", so this one leaves none" : ""));
         if (!arguments_.resume || !is_there()) return {};
         if (const std::string why = why_unreadable(file_); !why.empty()) throw Error(file_.string(), why);
         std::ifstream in(file_, std::ios::binary);
@@ -67,9 +70,10 @@ public:
     {
         std::error_code ignored;
         const std::string& checkpoint = job.checkpoint();
-        if (job.stats().complete && is_own()) std::filesystem::remove(file_, ignored);
+        if (job.stats().complete && note_there() == note) std::filesystem::remove(file_, ignored);
         if (checkpoint.empty() || !arguments_.keeps_checkpoint()) return false;
         refuse_foreign();
+        if (is_of_another(note)) return false;
         OutputFile out(file_);
         out.append(note + "\n");
         out.append(checkpoint);
@@ -85,23 +89,30 @@ private:
         std::error_code ignored;
         return std::filesystem::exists(file_, ignored);
     }
-    // Returns whether the file is a checkpoint, of whatever picture. Where there is no file, nothing is allocated: the
-    // picture is there already when this is asked for the last time.
-    bool is_own() const
+    // Returns the note of the picture whose checkpoint the file is; empty if it is none. Where there is no file, nothing is
+    // allocated: the picture is there already when this is asked for the last time.
+    std::string note_there() const
     {
         constexpr std::size_t kLongestNote = 256;
-        if (!is_there() || !why_unreadable(file_).empty()) return false;
+        if (!is_there() || !why_unreadable(file_).empty()) return {};
         std::string head(kLongestNote, '\0');
         std::ifstream in(file_, std::ios::binary);
         in.read(head.data(), static_cast<std::streamsize>(head.size()));
         head.resize(static_cast<std::size_t>(in.gcount()));
-        return is_recipe_note(head.substr(0, head.find('\n')));
+        head.resize(std::min(head.find('\n'), head.size()));
+        return is_recipe_note(head) ? head : std::string();
+    }
+    // Returns whether the checkpoint of another picture is there, which is neither removed nor replaced.
+    bool is_of_another(const std::string& note) const
+    {
+        const std::string there = note_there();
+        return !there.empty() && there != note;
     }
     void refuse_foreign() const
     {
         if (!is_there()) return;
         if (const std::string why = why_unreadable(file_); !why.empty()) throw Error(file_.string(), why);
-        if (!is_own())
+        if (note_there().empty())
             throw Error(file_.string(), "is there already and is no checkpoint, so it is not replaced", "--checkpoint");
     }
 
@@ -168,7 +179,7 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
     WriteOptions write = a.write;
     write.exposure_seconds = framing.exposure_seconds();
     const std::string note = recipe_note(stamp, {a, a.write, settings, camera, framing.moment()});
-    std::string checkpoint = checkpoint_file.read(note);
+    std::string checkpoint = checkpoint_file.read(note, display);
     if (a.resume) display.say(checkpoint.empty() ? "there is no checkpoint: starting anew" : "going on from the checkpoint");
     const double edit_seconds = seconds_since(edit_start);
 
@@ -184,8 +195,10 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
     display.say("writing " + a.output.string());
     const auto write_start = Clock::now();
     write.note = note_in_file(note, stats.complete);
+    held.allow_time();
     job.image().write(a.output, write);
     const bool can_go_on = checkpoint_file.write(note, job);
+    held.limit();
     add_seconds(stats, load_seconds, edit_seconds, seconds_since(write_start));
     if (can_go_on)
         display.say("stopped at " + std::to_string(stats.image.least_samples) + " of " + std::to_string(settings.spp) +

@@ -17,6 +17,7 @@
 #include "io/png_file.h"
 #include "io/texture/open_image.h"
 #include "render/display.h"
+#include "render/file_colors.h"
 #include "render/picture_formats.h"
 
 namespace occam::render {
@@ -213,6 +214,7 @@ constexpr PictureFormat kFormats[] = {
      .contents = "the picture as a screen shows it, 8 bits, with alpha where it is transparent",
      .is_for_display = true,
      .needs_codec = false,
+     .largest_side = 1'000'000,
      .write = write_png},
     {.extensions = ".jpg .jpeg",
      .name = "JPEG",
@@ -220,6 +222,7 @@ constexpr PictureFormat kFormats[] = {
      .is_for_display = true,
      .codec_name = "jpeg",
      .end_mark = "\xff\xd9"sv,
+     .largest_side = 65500,
      .write = write_jpeg},
     {.extensions = ".tif .tiff",
      .name = "TIFF",
@@ -234,6 +237,22 @@ std::pair<std::string, std::string> split_channel(const std::string& name)
     const std::size_t dot = name.rfind('.');
     if (dot == std::string::npos) return {"beauty", name};
     return {name.substr(0, dot), name.substr(dot + 1)};
+}
+
+// Makes the colours of a layer linear and multiplies them by its alpha, as far as the file has them otherwise.
+// power   of the encoding; 1: the values are linear, 0: they are sRGB
+void decode_colors(Layer& layer, float power, bool multiplies_alpha)
+{
+    const std::size_t n = layer.channel_count();
+    const auto found = std::find(layer.channels.begin(), layer.channels.end(), "A");
+    const auto alpha = static_cast<std::size_t>(found - layer.channels.begin());  // n if there is none
+    for (std::size_t i = 0; i < layer.pixels.size(); i += n)
+        for (std::size_t c = 0; c < n; ++c) {
+            float& value = layer.pixels[i + c];
+            if (c == alpha) continue;
+            if (power != 1) value = power == 0 ? linear_from_srgb(value) : std::pow(value, power);
+            if (multiplies_alpha && alpha < n) value *= layer.pixels[i + alpha];
+        }
 }
 
 // Returns pixels of a file, in the order in which the picture has them.
@@ -267,6 +286,15 @@ const PictureFormat& required_picture_format(const fs::path& file)
                 "has no extension of a format that can be written: " + extensions_of(picture_formats(), true));
 }
 
+void check_sides(const fs::path& file, int width, int height)
+{
+    const PictureFormat& format = required_picture_format(file);
+    if (std::max(width, height) > format.largest_side)
+        refuse(file, "cannot be written: it has " + std::to_string(width) + " x " + std::to_string(height) +
+                         " pixels, and " + std::string(format.name) + " allows " + std::to_string(format.largest_side) +
+                         " a side");
+}
+
 void Image::check_writable(const fs::path& file)
 {
     const PictureFormat& format = required_picture_format(file);
@@ -278,6 +306,7 @@ void Image::write(const fs::path& file, const WriteOptions& options) const
 {
     check_writable(file);
     if (width < 1 || height < 1) refuse(file, "there is no picture to write");
+    check_sides(file, width, height);
     if (layers().empty()) refuse(file, "there is no layer to write");
     if (options.exposure_ev && !std::isfinite(*options.exposure_ev)) refuse(file, "the exposure is not a finite number");
     for (const Layer& layer : layers())
@@ -321,7 +350,10 @@ Image Image::read(const fs::path& file)
     image.y0 = spec.y - spec.full_y;
     image.full_width = spec.full_width;
     image.full_height = spec.full_height;
-    const bool encoded = !is_real(spec.type);
+    const bool is_png = in->format() == "png";
+    ImageBytes bytes(file);
+    const float power = is_real(spec.type) ? 1 : is_png ? png_power(bytes) : 0;
+    const bool multiplies_alpha = is_png || in->text_attribute("oiio:UnassociatedAlpha") == "1";
     for (std::size_t first = 0; first < channels;) {
         const std::string name = split_channel(spec.channels[first]).first;
         std::size_t end = first;
@@ -330,12 +362,8 @@ Image Image::read(const fs::path& file)
             names.push_back(split_channel(spec.channels[end]).second);
         Layer& layer = image.add_layer(name, std::move(names), spec.channel_type(first) == SampleType::Float);
         const std::size_t n = end - first;
-        for (std::size_t i = 0; i < count; ++i)
-            for (std::size_t c = 0; c < n; ++c) {
-                const float v = pixels[i * channels + first + c];
-                const bool color = encoded && layer.channels[c] != "A";
-                layer.pixels[i * n + c] = color ? linear_from_srgb(v) : v;
-            }
+        for (std::size_t i = 0; i < count; ++i) std::copy_n(&pixels[i * channels + first], n, &layer.pixels[i * n]);
+        decode_colors(layer, power, multiplies_alpha);
         first = end;
     }
     return image;

@@ -19,21 +19,20 @@ std::array<float, 16> rows_of(const Mat4d& m)
     return out;
 }
 
+// Returns the coordinates of the display window, (0, 0) at its upper left and (1, 1) at its lower right, of points in
+// OpenEXR's axes of the camera. What is farther away has a larger z.
 Mat4d ndc_from_camera(const CameraLens& lens, double aspect)
 {
+    const double half = lens.orthographic ? std::max(double(lens.height) * 0.5, 1e-30) : double(maths::tan(lens.fov * 0.5f));
     Mat4d m(0.0);
+    m[0][0] = 0.5 / (half * aspect);
+    m[1][1] = -0.5 / half;
+    m[2][2] = 1;
     if (lens.orthographic) {
-        const double half = std::max(double(lens.height) * 0.5, 1e-30);
-        m[0][0] = 1 / (half * aspect);
-        m[1][1] = 1 / half;
-        m[2][2] = -1;
-        m[3][3] = 1;
+        m[3] = {0.5, 0.5, 0, 1};
     } else {
-        const double half = double(maths::tan(lens.fov * 0.5f));
-        m[0][0] = 1 / (half * aspect);
-        m[1][1] = 1 / half;
-        m[2][2] = -1;
-        m[2][3] = -1;
+        m[2] = {0.5, 0.5, 1, 1};
+        m[3][2] = -1;
     }
     return m;
 }
@@ -51,16 +50,19 @@ void add_date(std::vector<Attribute>& attributes)
 
 }  // namespace
 
-void describe(Image& image, const Camera& camera, const Settings& settings)
+void describe(Image& image, const Camera& camera, const Settings& settings, const FrameStats& stats)
 {
     image.is_light = settings.view == View::Beauty;
-    const Mat4d camera_from_world = glm::inverse(camera.world_from_camera);
+    Mat4d looking_along_z(1.0);  // OpenEXR's camera space is left-handed
+    looking_along_z[2][2] = -1;
+    const Mat4d camera_from_world = looking_along_z * glm::inverse(camera.world_from_camera);
     const double aspect = double(settings.width) / settings.height;
     image.attributes.push_back({"worldToCamera", rows_of(camera_from_world)});
     image.attributes.push_back({"worldToNDC", rows_of(ndc_from_camera(camera.lens, aspect) * camera_from_world)});
     image.attributes.push_back(
         {"chromaticities", std::array<float, 8>{0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f}});
-    image.attributes.push_back({"comments", std::string("Occam ") + kVersion + ", " + std::to_string(settings.spp) +
+    const std::string made = stats.complete ? "" : "stopped at " + std::to_string(stats.image.least_samples) + " of ";
+    image.attributes.push_back({"comments", std::string("Occam ") + kVersion + ", " + made + std::to_string(settings.spp) +
                                                 " samples a pixel, seed " + std::to_string(settings.seed)});
     add_date(image.attributes);
 }

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string_view>
 
@@ -31,6 +32,7 @@ struct PictureFormat {
     bool needs_codec = true;        ///< is written by picture_codec()
     std::string_view codec_name{};  ///< what PictureReader::format() calls it, if its end has a mark
     std::string_view end_mark{};    ///< the last bytes of a whole file; empty: its last row is read instead
+    int largest_side = std::numeric_limits<int>::max();  ///< pixels; some libraries end the process beyond it
     void (*write)(const Image& image, const std::filesystem::path& file, const WriteOptions& options) = nullptr;
 };
 
@@ -39,5 +41,7 @@ std::span<const PictureFormat> picture_formats() noexcept;
 const PictureFormat* picture_format_of(const std::filesystem::path& file);
 /// Returns the same format. Throws Error if there is none.
 const PictureFormat& required_picture_format(const std::filesystem::path& file);
+/// Throws Error of Kind::Output if a picture of that size is larger than the format of the file allows.
+void check_sides(const std::filesystem::path& file, int width, int height);
 
 }  // namespace occam::render

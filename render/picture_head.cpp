@@ -19,6 +19,10 @@ namespace fs = std::filesystem;
 // No more than a row of a picture is read here, so it may be as large as one that is written.
 constexpr ImageLimits kHeadLimits = {std::uintmax_t(1) << 31, std::uintmax_t(1) << 31, std::uintmax_t(1) << 36};
 
+// OpenEXR decodes a block of rows for one of them. These values are enough for all layers of the widest picture.
+constexpr int kMostRowsOfBlock = 256;
+constexpr std::int64_t kMostValuesOfBlock = std::int64_t(1) << 30;
+
 [[noreturn]] void refuse(const fs::path& file, const std::string& why) { throw Error(file.string(), why); }
 
 PictureHead head_of_png(const fs::path& file, ImageBytes& bytes)
@@ -33,9 +37,11 @@ PictureHead head_of_exr(const fs::path& file, ImageBytes& bytes)
 {
     const std::optional<ExrHead> head = read_exr_head(bytes, kExrNote);
     if (!head) refuse(file, "cannot be read: it is no OpenEXR file, or cut off");
-    if (head->channel_count > kMaxReadChannels ||
-        std::int64_t(head->width) * head->height > kMaxReadValues / std::max(head->channel_count, 1))
+    const std::int64_t width = head->width, rows = std::min(head->height, kMostRowsOfBlock);
+    if (head->channel_count > kMaxReadChannels || width * rows > kMostValuesOfBlock / std::max(head->channel_count, 1))
         refuse(file, "is too large a picture to read");
+    if (declares_too_much(std::uintmax_t(width) * std::uintmax_t(head->height), bytes.size()))
+        refuse(file, "declares far more than the file holds");
     if (!has_last_row(std::move(bytes))) refuse(file, "is cut off");
     return {head->width, head->height, head->text};
 }

@@ -73,8 +73,28 @@ TEST_F(OutputNames, AFileOfSomebodyElseIsNoCheckpoint)
     fs::remove(file);
     ASSERT_EQ(run(words({"--deadline", "1e-9"})).exit_code, kDone);
     ASSERT_TRUE(fs::exists(file));
-    EXPECT_EQ(run(words({"--seed", "1"})).exit_code, kDone);
-    EXPECT_FALSE(fs::exists(file)) << "a checkpoint is removed by a finished picture";
+    EXPECT_EQ(run(words({})).exit_code, kDone);
+    EXPECT_FALSE(fs::exists(file)) << "a checkpoint is removed by the finished picture";
+}
+
+TEST_F(OutputNames, ACheckpointOutlastsOtherPicturesOfItsName)
+{
+    const std::vector<std::string> slow{"render", "triangle.obj", "-o", "a.exr", "--size", "16x8", "--deadline", "1e-9"};
+    ASSERT_EQ(run(slow).exit_code, kDone);
+    const std::string checkpoint = text_of(folder / "a.exr.checkpoint");
+    ASSERT_FALSE(checkpoint.empty());
+    const std::string line = "occam: a.exr.checkpoint is that of another picture and stays";
+    const std::vector<std::string> quick{"render", "triangle.obj", "-o", "a.exr", "--size", "8x4", "--spp", "1"};
+    const Outcome finished = run(quick);
+    EXPECT_EQ(finished.exit_code, kDone);
+    EXPECT_EQ(finished.err, line + "\n");
+    EXPECT_TRUE(text_of(folder / "a.exr.checkpoint") == checkpoint) << "it was removed or replaced";
+    std::vector<std::string> stopped = slow;
+    stopped.insert(stopped.end(), {"--seed", "1"});
+    const Outcome unfinished = run(stopped);
+    EXPECT_EQ(unfinished.exit_code, kDone);
+    EXPECT_EQ(unfinished.err.find(line + ", so this one leaves none\n"), 0u) << unfinished.err;
+    EXPECT_TRUE(text_of(folder / "a.exr.checkpoint") == checkpoint) << "it was removed or replaced";
 }
 
 TEST_F(OutputNames, StatisticsTakeNoNameOfACheckpoint)

@@ -171,16 +171,42 @@ TEST_F(ImageFile, PngCarriesTheSrgbCurve)
                         0.501f / 255);
 }
 
-TEST_F(ImageFile, TransparentPixelsStayTransparentInPng)
+TEST_F(ImageFile, TransparentPixelsAndLinearOnesAreReadAsTheyWere)
 {
     Image image = gradient(2, 1);
-    const float half_covered[4] = {0.25f, 0.25f, 0.25f, 0.5f};  // multiplied by coverage
+    const float half_covered[4] = {0.25f, 0.125f, 0.5f, 0.5f};  // multiplied by coverage
     std::copy_n(half_covered, 4, image.layer(0).pixels.begin());
-    image.write(folder / "a.png", {.exposure_ev = 0, .tonemap = Tonemap::Srgb});
-    const Layer beauty = *Image::read(folder / "a.png").find("beauty");
-    ASSERT_EQ(beauty.channel_count(), 4u);
-    EXPECT_NEAR(beauty.pixels[3], 0.5f, 0.51f / 255);
-    EXPECT_NEAR(beauty.pixels[0], 0.5f, 0.01f);
+    const auto read_back = [&](const char* name, Tonemap curve) {
+        image.write(folder / name, {.exposure_ev = 0, .tonemap = curve});
+        const Layer beauty = *Image::read(folder / name).find("beauty");
+        ASSERT_EQ(beauty.channel_count(), 4u);
+        for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(beauty.pixels[c], half_covered[c], 0.01f) << name << ' ' << c;
+    };
+    read_back("a.png", Tonemap::Srgb);
+    read_back("a.tif", Tonemap::Srgb);
+    read_back("linear.png", Tonemap::None);
+}
+
+// The head of a PNG may name the power of its encoding.
+TEST_F(ImageFile, PngFilesAreReadByThePowerThatTheyName)
+{
+    Image image(1, 1);
+    image.add_layer("beauty", {"R", "G", "B"}).pixels.assign(3, 0.5f);
+    image.write(folder / "a.png", {.exposure_ev = 0, .tonemap = Tonemap::None});
+    std::ifstream stream(folder / "a.png", std::ios::binary);
+    std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    const std::size_t at = bytes.find("gAMA") + 4;
+    const auto read_with = [&](int hundred_thousandths) {
+        for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = char(hundred_thousandths >> (24 - 8 * i));
+        // The checksum is not that of the chunk, which no more than a warning is about.
+        std::ofstream(folder / "b.png", std::ios::binary) << bytes;
+        return Image::read(folder / "b.png").find("beauty")->pixels[0];
+    };
+    const float stored = 128 / 255.0f;
+    EXPECT_NEAR(read_with(100000), stored, 1e-5f);
+    EXPECT_NEAR(read_with(50000), stored * stored, 1e-5f);
+    EXPECT_NEAR(read_with(45455), linear_from_srgb(stored), 1e-5f) << "this stands for sRGB";
+    EXPECT_NEAR(read_with(0), linear_from_srgb(stored), 1e-5f) << "this is nothing";
 }
 
 TEST_F(ImageFile, AnExistingFileIsReplaced)

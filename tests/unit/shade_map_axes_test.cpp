@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <functional>
+#include <glm/ext/matrix_transform.hpp>
 #include <utility>
 #include <vector>
 
