@@ -323,23 +323,19 @@ void run_maps(Report& report)
         const shade::PhaseOne phase_one(textures);
         // The tiles lie beside each other in the texture, with vertices two texels apart.
         std::vector<lod::VertexToShade> vertices;
-        std::vector<Vec3f> places;
         constexpr float kStep = 2.0f / 1024;
         for (int tile = 0; tile < kTiles; ++tile)
             for (int j = 0; j < kSide; ++j)
-                for (int i = 0; i < kSide; ++i) {
-                    places.push_back({float(i), float(j), 0});
+                for (int i = 0; i < kSide; ++i)
                     vertices.push_back(
                         {{Vec2f(float(tile % 8 * (kSide - 1) + i) * kStep, float(tile / 8 * (kSide - 1) + j) * kStep)},
                          {kStep * 0.9f}});
-                }
         std::vector<float> out(vertices.size() * lod::VertexShader::kMaxChannels);
         const double each = 1e9 / double(vertices.size());
         const auto shade_all = [&] {
             constexpr std::size_t kVertices = kSide * kSide;
             for (std::size_t first = 0; first < vertices.size(); first += kVertices) {
-                const lod::LatticeToShade lattice{std::span(vertices).subspan(first, kVertices),
-                                                  std::span(places).subspan(first, kVertices), kSide};
+                const lod::LatticeToShade lattice{std::span(vertices).subspan(first, kVertices), kSide};
                 phase_one.shade(material, lattice, &out[first * static_cast<std::size_t>(phase_one.channels(material))]);
             }
         };
