@@ -24,6 +24,10 @@ std::vector<std::string> words_of_scene(std::span<char* const> words)
     std::vector<std::string> kept{"occam"};
     for (std::size_t i = 1; i < words.size(); ++i) {
         const std::string_view word = words[i], name = word.substr(0, word.find('='));
+        if (word == "--") {  // what follows are files, whatever they are called
+            kept.insert(kept.end(), words.begin() + static_cast<std::ptrdiff_t>(i), words.end());
+            break;
+        }
         if (name == "--json") continue;
         if (name == "--rays" || name == "--seed" || name == "--replay") {
             if (name == word) ++i;  // its value is the next word
@@ -36,9 +40,13 @@ std::vector<std::string> words_of_scene(std::span<char* const> words)
 
 std::string replay_command(const std::vector<std::string>& words, std::string_view line)
 {
+    const auto files = std::find(words.begin(), words.end(), "--");
     std::string text;
-    for (const std::string& word : words) text.append(for_shell(word)).append(" ");
-    return text.append("--replay ").append(for_shell(line));
+    const auto add = [&](const std::string& word) { text.append(text.empty() ? "" : " ").append(for_shell(word)); };
+    std::for_each(words.begin(), files, add);
+    text.append(" --replay ").append(for_shell(line));
+    std::for_each(files, words.end(), add);
+    return text;
 }
 
 }  // namespace occam::command

@@ -98,7 +98,8 @@ public:
 
     /// Reads the head, and as much as shows that the end of the picture is there. Throws Error if it is not.
     static PictureHead read_head(const std::filesystem::path& file);
-    /// Reads a picture of any format that textures may have (docs/files.md); 8-bit colours are made linear. Throws Error.
+    /// Reads a picture of any format that textures may have. Colours are made linear, and multiplied by alpha, as
+    /// docs/files.md says. Throws Error.
     static Image read(const std::filesystem::path& file);
 
 private:

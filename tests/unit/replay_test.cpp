@@ -227,23 +227,26 @@ TEST_F(ReplayCommand, ASampleIsPrinted)
 // The command that is printed for a ray that escapes works in a shell, whatever the name of the file.
 TEST_F(ReplayCommand, ACommandThatIsPrintedTracesTheRay)
 {
-    const std::string file = "it's a box.obj";
-    std::ofstream(folder / file) << "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
-                                    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
-    std::vector<std::string> words = {"anything", "verify", file,       "--subdivide", "on",
-                                      "--rays",   "1000",   "--seed=3", "--json"};
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    const RayLine line{0, {0.1, 0, 0}, {0, 0.6f, 0.8f}, 0.01, -0.001f, 0};
-    std::string text = command::replay_command(command::words_of_scene(argv), line.text());
-    EXPECT_EQ(text.find("occam verify "), 0u) << text;
-    EXPECT_EQ(text.find("--rays"), std::string::npos) << text;
-    EXPECT_EQ(text.find("--seed"), std::string::npos) << text;
-    EXPECT_EQ(text.find("--json"), std::string::npos) << text;
-    text.replace(0, 5, std::string("'") + occam_executable() + "'");
-    std::ofstream(folder / "replay.sh") << "cd '" << folder.string() << "'\n" << text << " > replay.txt\n";
-    ASSERT_EQ(std::system(("sh '" + (folder / "replay.sh").string() + "'").c_str()), 0) << text;
-    EXPECT_NE(text_of(folder / "replay.txt").find("The ray hits the cage."), std::string::npos);
+    for (const std::string file : {"it's a box.obj", "-box.obj"}) {
+        std::ofstream(folder / file)
+            << "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+               "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+        std::vector<std::string> words = {"anything", "verify", "--subdivide", "on", "--rays", "1000", "--seed=3", "--json"};
+        if (file[0] == '-') words.push_back("--");
+        words.push_back(file);
+        std::vector<char*> argv;
+        for (std::string& word : words) argv.push_back(word.data());
+        const RayLine line{0, {0.1, 0, 0}, {0, 0.6f, 0.8f}, 0.01, -0.001f, 0};
+        std::string text = command::replay_command(command::words_of_scene(argv), line.text());
+        EXPECT_EQ(text.find("occam verify "), 0u) << text;
+        EXPECT_EQ(text.find("--rays"), std::string::npos) << text;
+        EXPECT_EQ(text.find("--seed"), std::string::npos) << text;
+        EXPECT_EQ(text.find("--json"), std::string::npos) << text;
+        text.replace(0, 5, std::string("'") + occam_executable() + "'");
+        std::ofstream(folder / "replay.sh") << "cd '" << folder.string() << "'\n" << text << " > replay.txt\n";
+        ASSERT_EQ(std::system(("sh '" + (folder / "replay.sh").string() + "'").c_str()), 0) << text;
+        EXPECT_NE(text_of(folder / "replay.txt").find("The ray hits the cage."), std::string::npos);
+    }
 }
 
 }  // namespace
