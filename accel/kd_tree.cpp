@@ -10,8 +10,8 @@
 namespace occam::accel {
 namespace {
 
-constexpr std::size_t kEnough = 16;  // candidates to choose a plane from; 8 and 24 are slower (docs/what-was-tried.md)
-constexpr std::size_t kMany = 64;  // candidates above which planes are tried at fixed steps, and items not opened one by one
+constexpr std::size_t kEnough = 16;   // candidates to choose a plane from; 8 and 24 are slower (docs/what-was-tried.md)
+constexpr std::size_t kMany = 64;     // candidates above which planes are tried at fixed steps
 constexpr float kTraversalCost = 64;  // in the units of Item::cost; 32 is slower (docs/what-was-tried.md)
 constexpr float kEmptyBonus = 0.8f;   // factor of the cost of a split that cuts off empty space
 constexpr float kLeastCut = 0.25f;    // the share of a side that is cut off with the bonus; thin slices cost depth
@@ -122,7 +122,7 @@ KdTree::Split KdTree::scanned_split(const Box3f& box) const
 }
 
 template <int kVectors>
-void KdTree::try_planes(const Box3f& box, const BoxMeasure& measure, int axis, std::size_t first, Split& best) const
+std::size_t KdTree::try_planes(const Box3f& box, const BoxMeasure& measure, int axis, std::size_t first, Split& best) const
 {
     // Each candidate is read once for all these planes.
     vfloat position[kVectors], below[kVectors], above[kVectors];
@@ -151,6 +151,7 @@ void KdTree::try_planes(const Box3f& box, const BoxMeasure& measure, int axis, s
             if (costs[lane] < best.cost)
                 best = {axis, planes_[first + static_cast<std::size_t>(v) * kLanes + lane], costs[lane]};
     }
+    return std::size_t(kVectors) * kLanes;
 }
 
 KdTree::Split KdTree::counted_split(const Box3f& box)
@@ -169,10 +170,9 @@ KdTree::Split KdTree::counted_split(const Box3f& box)
         planes_.resize((planes_.size() + kLanes - 1) / kLanes * kLanes, planes_.back());
         for (std::size_t p = 0; p < planes_.size();) {
             const std::size_t vectors = (planes_.size() - p) / kLanes;
-            if (vectors >= 4) try_planes<4>(box, measure, axis, p, best);
-            else if (vectors >= 2) try_planes<2>(box, measure, axis, p, best);
-            else try_planes<1>(box, measure, axis, p, best);
-            p += (vectors >= 4 ? 4 : vectors >= 2 ? 2 : 1) * kLanes;
+            p += vectors >= 4   ? try_planes<4>(box, measure, axis, p, best)
+                 : vectors >= 2 ? try_planes<2>(box, measure, axis, p, best)
+                                : try_planes<1>(box, measure, axis, p, best);
         }
     }
     return best;

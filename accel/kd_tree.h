@@ -112,9 +112,10 @@ private:
     // Tries the planes at the faces of boxes: counted_split() tests each against all boxes, and swept_split() goes through
     // them in sorted order, which is faster for many boxes.
     Split counted_split(const Box3f& box);
-    /// Tries as many vectors of planes_, from one of them on, and keeps the best split.
+    // Tries the planes of so many vectors of planes_, from planes_[first] on, keeps the best split, and returns how many
+    // planes these are.
     template <int kVectors>
-    void try_planes(const Box3f& box, const BoxMeasure& measure, int axis, std::size_t first, Split& best) const;
+    std::size_t try_planes(const Box3f& box, const BoxMeasure& measure, int axis, std::size_t first, Split& best) const;
     Split swept_split(const Box3f& box);
     // Tries planes at fixed steps.
     Split scanned_split(const Box3f& box) const;

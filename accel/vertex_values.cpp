@@ -53,7 +53,7 @@ const float* make_values(const LatticeGrid& grid, IGridPart& part, bool is_coars
             const int j0 = std::max(j - 1, 0) * lattice.step_v, j1 = std::min(j + 1, lattice.rows) * lattice.step_v;
             const int at_i = i * lattice.step_u, at_j = j * lattice.step_v;
             const auto quads = static_cast<float>(((i1 - i0) >> lattice.shift_u) * ((j1 - j0) >> lattice.shift_v));
-            // Values stand still on what moves: they are filtered as is right at the key in the middle of the shutter.
+            // Values stand still on what moves: they are filtered as is right at the middle key, or the first of two.
             const auto place = [&](int u, int v) { return grid.fine_at(part.vertex(u, v), grid.segments / 2); };
             const Vec3f along_u = place(i1, at_j) - place(i0, at_j), along_v = place(at_i, j1) - place(at_i, j0);
             const float area = area_between(along_u, along_v);

@@ -17,14 +17,14 @@ inline double evenness(const Mat3d& map) noexcept
     }
     return glm::determinant(columns);
 }
-/// Returns whether a map flattens space. The sign of its determinant is then that of a rounding error.
-inline bool flattens(const Mat3d& map) noexcept
-{
-    constexpr double kFlattest = 0x1p-40;
-    const double even = evenness(map);
-    return !(even > kFlattest || even < -kFlattest);
-}
+/// The sign of the determinant of a map that is no more even than this is that of a rounding error.
+inline constexpr double kFlattest = 0x1p-40;
+/// Returns whether a map flattens space.
+inline bool flattens(const Mat3d& map) noexcept { return !(glm::abs(evenness(map)) > kFlattest); }
 /// Returns whether a map reverses the orientation of faces. One that flattens space does not.
-inline bool mirrors(const Mat3d& map) noexcept { return evenness(map) < 0 && !flattens(map); }
+inline bool mirrors(const Mat3d& map) noexcept
+{
+    return glm::determinant(map) < 0 && evenness(map) < -kFlattest;  // most maps need no square roots
+}
 
 }  // namespace occam

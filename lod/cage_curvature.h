@@ -12,8 +12,8 @@ namespace occam::lod {
 /// faces; infinity where it is flat. Displacement does not count.
 double least_radius_of_curvature(const Cage& cage);
 
-/// Keeps what least_radius_of_curvature() gave for a cage. All callers must name the same cage, as it is.
-/// Threads  any may ask; those that ask first compute the same number
+/// Keeps what least_radius_of_curvature() gave for a cage. All callers pass the same cage.
+/// Threads  any may ask; several that ask first compute the same number
 class CageCurvature {
 public:
     double least_radius(const Cage& cage) const

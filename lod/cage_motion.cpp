@@ -1,21 +1,30 @@
 #include "lod/cage_motion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 namespace occam::lod {
 namespace {
 
+/// Returns the images of the corners of a box under an affine map.
+std::array<Vec3d, 8> images_of_corners(const Mat4d& map, const Box3d& box) noexcept
+{
+    std::array<Vec3d, 8> images;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const Vec4d corner(i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z, 1);
+        images[i] = Vec3d(map * corner);
+    }
+    return images;
+}
+
 /// Returns the largest distance from the origin of the image of a box under an affine map.
 double farthest_image(const Mat4d& map, const Box3d& box) noexcept
 {
     if (box.is_empty()) return 0;
     double farthest = 0;
-    for (int i = 0; i < 8; ++i) {
-        const Vec4d corner(i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z, 1);
-        farthest = std::max(farthest, glm::length(Vec3d(map * corner)));
-    }
+    for (const Vec3d image : images_of_corners(map, box)) farthest = std::max(farthest, glm::length(image));
     return farthest;
 }
 
@@ -135,17 +144,6 @@ double CageMotion::deviation_of_displacement(int key, int before, int after) con
     return farthest * double(slot_.cage.displacement->bound) * stretch_bound(world(0));
 }
 
-std::array<Vec3d, 8> CageMotion::moves_from(int key) const
-{
-    std::array<Vec3d, 8> moves;
-    const Mat4d map = world(key + 1) - world(key);
-    const Box3d& box = slot_.bounds;
-    for (int i = 0; i < 8; ++i)
-        moves[static_cast<std::size_t>(i)] = Vec3d(
-            map * Vec4d(i & 1 ? box.hi.x : box.lo.x, i & 2 ? box.hi.y : box.lo.y, i & 4 ? box.hi.z : box.lo.z, 1));
-    return moves;
-}
-
 double CageMotion::least_distance_across(Vec3d eye) const
 {
     constexpr double kMostOfSight = 0.7, kChordOfSine = 1.1;  // chords of angles whose sine is at most 0.7
@@ -153,7 +151,8 @@ double CageMotion::least_distance_across(Vec3d eye) const
     const Box3d& bounds = slot_.bounds;
     double least = std::numeric_limits<double>::infinity();
     for (int key = 0; key < segments_; ++key) {
-        const std::array<Vec3d, 8> moves = moves_from(key);
+        // Each point of the cage moves by a mean of how the corners of its box move.
+        const std::array<Vec3d, 8> moves = images_of_corners(world(key + 1) - world(key), bounds);
         Vec3d mean(0);
         for (const Vec3d move : moves) mean += move / double(moves.size());
         double spread = 0;

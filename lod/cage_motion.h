@@ -8,7 +8,6 @@
 // Threads  const after construction.
 #pragma once
 
-#include <array>
 #include <functional>
 #include <span>
 #include <vector>
@@ -86,9 +85,6 @@ private:
     CagePose pose(int key) const noexcept { return {slot_, node_, skin_, key}; }
     /// Returns whether the cage keeps its shape but for what its nodes do to it.
     bool is_rigid() const noexcept { return moves_by_nodes_alone() && !slot_.is_deformed() && !slot_.cage.is_displaced(); }
-    /// Returns the vectors by which the corners of the box of a rigid cage move from a key to the next one. Each point moves
-    /// by a mean of some of them.
-    std::array<Vec3d, 8> moves_from(int key) const;
     double deviation(int key, int before, int after) const;
     double deviation_of_maps(int key, int before, int after) const;
     double deviation_of_weights(int key, int before, int after) const;
@@ -115,7 +111,7 @@ double largest_motion_tolerance(const LevelSettings& settings, const Box3d& worl
 
 /// Returns the level that is fine enough for a cage that moves so fast: its edges are as long as the least distance that a
 /// point of it moves across the picture in one of LevelSettings::strata, but no more than four pixels where the cage is
-/// nearest to the camera. Returns kFinestLevel if motion makes nothing coarser.
+/// nearest to the camera, and no longer than its bend allows. Returns kFinestLevel if motion makes nothing coarser.
 int level_of_motion(const LevelSettings& settings, const CageMotion& motion, const CageCurvature& curvature);
 
 }  // namespace occam::lod

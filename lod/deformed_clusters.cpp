@@ -30,7 +30,7 @@ DeformedClusters::DeformedClusters(const Cage& cage, const ClusterTree& clusters
     const bool is_smooth = cage.scheme == Scheme::CatmullClark;
     const FacesOfVertices around(is_smooth ? cage : Cage{}, is_smooth ? first_corner : std::vector<std::uint32_t>{0});
 
-    // The last node whose list a vertex or a face was added to, and 1.
+    // For each vertex and each face, the number of the last node to whose list it was added, plus one.
     std::vector<std::uint32_t> vertices, stamp(cage.positions.size(), 0), face_stamp(faces, 0);
     const auto add_corners = [&](std::uint32_t face, std::uint32_t mark) {
         if (face_stamp[face] == mark) return;

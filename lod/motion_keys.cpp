@@ -17,10 +17,10 @@ constexpr std::uint32_t kAllSegments = PosedCage::kAllSegments;
 /// Returns the map from a pose's dicing frame to object axes, unless the pose is so flat that rounding spoils it.
 std::optional<Mat4d> inverse_of(const PosedCage& cage) noexcept
 {
-    constexpr double kFlattest = 0x1p-20;
+    constexpr double kFlattestToInvert = 0x1p-20;
     Mat4d map = cage.world_from_object();
     map[3] -= Vec4d(cage.anchor, 0);
-    if (!(std::abs(evenness(Mat3d(map))) > kFlattest)) return std::nullopt;
+    if (!(std::abs(evenness(Mat3d(map))) > kFlattestToInvert)) return std::nullopt;
     return glm::inverse(map);
 }
 

@@ -103,8 +103,9 @@ public:
         ulps_of_edge_ = select(grows_, per_slope * of_one, F(0.0f));
         ulps_of_all_ = (select(grows_, F(0.0f), F(0.0f) - a_ * per_slope) + pushed_by) * of_one;
         const Mask has_start = start_ > F(0.0f);
-        if (any(andnot(Mask(true), has_start))) make_from_origin(per_slope);
-        if (any(has_start)) make_from_start(per_slope);
+        const bool some_have_none = any(andnot(Mask(true), has_start));
+        if (some_have_none) make_from_origin(per_slope);
+        if (any(has_start)) make_from_start(per_slope, some_have_none);
         F before = overlap(finest);
         for (int pair = finest; pair <= coarsest; ++pair) {
             const int i = pair - finest;
@@ -206,34 +207,37 @@ private:
     }
     /// Sets the transitions of the lanes that have a start: each is at least a segment away from the one before it, as
     /// seen from the start or from the focus.
-    void make_from_start(F per_slope) noexcept
+    /// is_set   whether those of all lanes are set already, and those of the other lanes stay
+    void make_from_start(F per_slope, bool is_set) noexcept
     {
         const F low = -kFar, high = kFar, zero = 0.0f;
         const Mask has_start = start_ > zero, has_focus = focus_ > zero;
         const auto put = [&](int at, Mask lanes, F pushed, F edge) {
-            raw_[at - finest] = select(lanes, pushed, raw_[at - finest]);
-            edge_[at - finest] = select(lanes, edge, edge_[at - finest]);
+            raw_[at - finest] = is_set ? select(lanes, pushed, raw_[at - finest]) : pushed;
+            edge_[at - finest] = is_set ? select(lanes, edge, edge_[at - finest]) : edge;
         };
         const auto ideal = [&](F d) { return min(max((d - a_) * per_slope, low), high); };
-        const Mask coarsens = grows_ | has_focus;  // away from the start
+        const Mask widens = grows_ | has_focus;  // away from the start
+        const Mask coarsens = has_start & widens, refines = andnot(has_start, widens);
         const F inner = select(grows_, low, high), outer = select(grows_, high, low);
         F previous = focus_;
-        for (int at = finest; at <= coarsest + 1 && any(has_start & coarsens); ++at) {
+        for (int at = finest; at <= coarsest + 1 && any(coarsens); ++at) {
             const F d = edge_length(at), length = margin(at - 1) + margin(at - 1);
             const Mask is_before = d <= start_;
             const F away = select(grows_, max(ideal(d), previous + length), min(ideal(d), previous - length));
             const F pushed = select(is_before, focus_, away);
             const Mask is_last = (grows_ & (pushed >= t_end_)) | andnot(pushed <= zero, grows_) | (d > coarsest_edge_);
-            put(at, has_start & coarsens, pushed, select(is_before, inner, select(is_last, outer, pushed)));
+            put(at, coarsens, pushed, select(is_before, inner, select(is_last, outer, pushed)));
             previous = pushed;
         }
+        is_set = is_set || any(coarsens);
         previous = zero;
-        for (int at = coarsest + 1; at >= finest && any(andnot(has_start, coarsens)); --at) {
+        for (int at = coarsest + 1; at >= finest && any(refines); --at) {
             const F d = edge_length(at), length = margin(at) + margin(at);
             const Mask is_before = d > start_;
             const F pushed = select(is_before, zero, max(ideal(d), select(are_same(d, start_), zero, previous + length)));
             const Mask is_last = (pushed >= t_end_) | (d <= finest_edge_);
-            put(at, andnot(has_start, coarsens), pushed, select(is_before, low, select(is_last, high, pushed)));
+            put(at, refines, pushed, select(is_before, low, select(is_last, high, pushed)));
             previous = pushed;
         }
     }

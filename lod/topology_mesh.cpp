@@ -82,7 +82,7 @@ public:
 private:
     static constexpr std::size_t kLinear = 48, kUsual = 16;
     std::vector<std::uint32_t>& values_;
-    std::array<std::uint8_t, 64> latest_{};  // by a value's last bits, the latest number that one of them got
+    std::array<std::uint8_t, 64> latest_{};  // the latest number that was given to a value with these last bits
     std::unordered_map<std::uint32_t, std::uint32_t> map_;
 };
 

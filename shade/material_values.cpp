@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scenegraph/map_axes.h"
 #include "shade/bump.h"
 
 namespace occam::shade {
@@ -10,7 +11,7 @@ namespace {
 Vec4f texel(const TextureUse& use, const lod::VertexToShade& at, const TextureStore& textures) noexcept
 {
     if (!use) return Vec4f(1);
-    const int set = std::clamp(use.uv_set, 0, 1);
+    const int set = coordinates_of(use);
     return textures.sample(use, at.uv[set], at.uv_width[set]);
 }
 
