@@ -70,4 +70,24 @@ double TexturedFloor::difference(float rate)
     return render::compare(picture(render::ShadeAt::Vertex, rate), picture(render::ShadeAt::Hit, rate), "beauty").rmse;
 }
 
+namespace {
+
+// Returns the scene, once it is ready to be rendered with these textures.
+const Scene& prepared(Scene& scene, TextureStore& textures)
+{
+    scene.refit();
+    textures.prepare(scene);
+    return scene;
+}
+
+}  // namespace
+
+FloorTracer::FloorTracer(Scene& scene, bool at_vertices)
+    : phase_one(textures),
+      frame(prepared(scene, textures), topologies, {.pixel = {0, 0.01f}},
+            {.textures = &textures, .shading = {at_vertices ? &phase_one : nullptr, 1}}),
+      tracer(frame, std::size_t(1) << 28)
+{
+}
+
 }  // namespace occam::test

@@ -5,7 +5,10 @@
 
 #include <functional>
 
+#include "accel/frame.h"
+#include "accel/tracer.h"
 #include "scenegraph/scene.h"
+#include "shade/material_values.h"
 
 namespace occam::test {
 
@@ -41,6 +44,17 @@ struct TexturedFloor {
     Material material;
     Renderer renderer{{.threads = 2}};
     FrameStats stats;
+};
+
+/// Traces rays into a scene of such floors, with phase one at vertices or not. Borrows the scene.
+struct FloorTracer {
+    FloorTracer(Scene& scene, bool at_vertices);
+
+    TextureStore textures{std::size_t(1) << 24};
+    shade::PhaseOne phase_one;
+    lod::TopologyCache topologies;
+    accel::Frame frame;
+    accel::Tracer tracer;
 };
 
 }  // namespace occam::test

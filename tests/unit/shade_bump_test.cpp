@@ -4,11 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "accel/frame.h"
-#include "accel/tracer.h"
 #include "render/shade_point.h"
 #include "shade/bump.h"
-#include "shade/material_values.h"
 #include "shade/surface.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/textured_floor.h"
@@ -74,24 +71,17 @@ TEST(Bump, HitsHaveTheNormalOfTheHillsOnCagesAndTrianglesFromBothSides)
                     node.place.scale = {mirror, 1, 1};
                     node.cages = {scene.add(floor_of(scene.add(m), scheme))};
                     scene.add_node(scene.root(), node);
-                    scene.refit();
-                    TextureStore textures(std::size_t(1) << 24);
-                    textures.prepare(scene);
-                    const shade::PhaseOne phase_one(textures);
-                    lod::TopologyCache topologies;
-                    const accel::Frame frame(scene, topologies, {.pixel = {0, 0.01f}},
-                                             {.textures = &textures, .shading = {at_vertices ? &phase_one : nullptr, 1}});
-                    accel::Tracer tracer(frame, std::size_t(1) << 28);
+                    FloorTracer floor(scene, at_vertices);
                     for (int k = 0; k < 20; ++k) {
                         accel::Ray ray;
                         ray.origin = {-1.81 + 0.183 * k, double(side) * 2, 1.73 - 0.171 * k};
                         ray.direction = {0, -side, 0};
                         ray.footprint = {0.05f, 0};
                         accel::SurfaceHit hit;
-                        tracer.closest({&ray, 1}, {&hit, 1});
+                        floor.tracer.closest({&ray, 1}, {&hit, 1});
                         ASSERT_TRUE(hit.is_hit());
                         ASSERT_EQ(hit.phase_one_channels > 0, at_vertices && scheme == Scheme::Bilinear);
-                        const shade::Surface surface = shade::evaluate(render::shade_point(ray, hit, 1), textures);
+                        const shade::Surface surface = shade::evaluate(render::shade_point(ray, hit, 1), floor.textures);
                         const Vec2f rise = derivatives(hit.uv[0]) * 0.25f;
                         const Vec3f expected = glm::normalize(Vec3f(-float(mirror) * rise.x, 1, -rise.y)) * side;
                         EXPECT_LT(glm::distance(surface.normal, expected), 0.03f)
@@ -142,20 +132,15 @@ TEST(Bump, WithoutCoordinatesThereIsNone)
     NodeDesc node;
     node.cages = {scene.add(floor_of(scene.add(m), Scheme::Bilinear))};
     scene.add_node(scene.root(), node);
-    scene.refit();
-    TextureStore textures(std::size_t(1) << 24);
-    textures.prepare(scene);
-    lod::TopologyCache topologies;
-    const accel::Frame frame(scene, topologies, {.pixel = {0, 0.01f}}, {.textures = &textures});
-    accel::Tracer tracer(frame, std::size_t(1) << 28);
+    FloorTracer floor(scene, false);
     accel::Ray ray;
     ray.origin = {0.3, 2, 0.4};
     ray.direction = {0, -1, 0};
     ray.footprint = {0.05f, 0};
     accel::SurfaceHit hit;
-    tracer.closest({&ray, 1}, {&hit, 1});
+    floor.tracer.closest({&ray, 1}, {&hit, 1});
     ASSERT_TRUE(hit.is_hit());
-    EXPECT_EQ(shade::evaluate(render::shade_point(ray, hit, 1), textures).normal, Vec3f(0, 1, 0));
+    EXPECT_EQ(shade::evaluate(render::shade_point(ray, hit, 1), floor.textures).normal, Vec3f(0, 1, 0));
 }
 
 }  // namespace

@@ -10,10 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "accel/frame.h"
-#include "accel/tracer.h"
 #include "render/shade_point.h"
-#include "shade/material_values.h"
 #include "shade/surface.h"
 #include "tests/support/textured_floor.h"
 
@@ -48,14 +45,7 @@ std::vector<shade::Surface> surfaces(Scene& scene, const Cage& floor, bool at_ve
         scene.record_shutter(8, [&](double tau) {
             scene.set_transform(id, glm::rotate(Mat4d(1), turns * tau * 6.283185307179586, Vec3d(0, 1, 0)));
         });
-    scene.refit();
-    TextureStore textures(std::size_t(1) << 24);
-    textures.prepare(scene);
-    const shade::PhaseOne phase_one(textures);
-    lod::TopologyCache topologies;
-    const accel::Frame frame(scene, topologies, {.pixel = {0, 0.01f}},
-                             {.textures = &textures, .shading = {at_vertices ? &phase_one : nullptr, 1}});
-    accel::Tracer tracer(frame, std::size_t(1) << 28);
+    FloorTracer traced(scene, at_vertices);
     std::vector<shade::Surface> seen;
     for (int k = 0; k < 20; ++k) {
         accel::Ray ray;
@@ -64,10 +54,10 @@ std::vector<shade::Surface> surfaces(Scene& scene, const Cage& floor, bool at_ve
         ray.footprint = {0.05f, 0};
         ray.time = 0.05f * float(k);
         accel::SurfaceHit hit;
-        tracer.closest({&ray, 1}, {&hit, 1});
+        traced.tracer.closest({&ray, 1}, {&hit, 1});
         EXPECT_TRUE(hit.is_hit());
         EXPECT_EQ(hit.phase_one_channels > 0, at_vertices);
-        seen.push_back(shade::evaluate(render::shade_point(ray, hit, 1), textures));
+        seen.push_back(shade::evaluate(render::shade_point(ray, hit, 1), traced.textures));
     }
     return seen;
 }
