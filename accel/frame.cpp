@@ -5,6 +5,7 @@
 
 #include "accel/frame_state.h"
 #include "accel/placement.h"
+#include "lod/longest_edges.h"
 #include "lod/posed_cage.h"
 
 namespace occam::accel {
@@ -50,13 +51,15 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     state_->shading = options.shading;
     state_->scale = options.scale;
     if (options.textures) state_->levels.displaced = farthest_displaced(scene, options.scale);
+    const Node& root = scene.node(scene.root());
+    const double stretch = options.scale.to_frame() * largest_stretch_to_parent(root);
+    state_->levels.edges = lod::LongestEdges(scene.contents().poles.scaled(stretch));
     state_->segments = scene.shutter_segments();
     // A box around all that something passes through is hardly hit less often than everything. Few igrids hold the meshes of
     // a scene without cages, and rays find these in fewer steps in the tree of boxes.
     const bool has_cages = scene.contents().has(Contents::Subdivided);
     const TreeKind best = state_->segments > 0 || !has_cages ? TreeKind::Bvh : TreeKind::Kd;
     state_->tree = options.tree == TreeKind::Auto ? best : options.tree;
-    const Node& root = scene.node(scene.root());
     const Box3d world = options.scale.placed(box_in_parent(root));
     if (world.is_empty()) return;
     // Floats in the tree's frame are the more precise the nearer they are to its origin. So the origin is the scene's point

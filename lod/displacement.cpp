@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/matrix.h"
 #include "lod/footprint.h"
 #include "lod/rates.h"
 
@@ -35,14 +36,10 @@ struct SurfaceAxes {
 
 double largest_stretch(const double (&map)[3][4]) noexcept
 {
-    // The largest eigenvalue of the map's Gram matrix is at most its largest row sum.
-    double largest = 0;
-    for (int a = 0; a < 3; ++a) {
-        double row = 0;
-        for (int b = 0; b < 3; ++b) row += std::abs(map[0][a] * map[0][b] + map[1][a] * map[1][b] + map[2][a] * map[2][b]);
-        largest = std::max(largest, row);
-    }
-    return std::sqrt(largest);
+    Mat3d columns;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column) columns[column][row] = map[row][column];
+    return occam::largest_stretch(columns);
 }
 
 PosedDisplacement::PosedDisplacement(const Cage& cage, const TextureStore& store, const double (&frame_from_object)[3][4],

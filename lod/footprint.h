@@ -9,6 +9,7 @@
 
 #include "base/box.h"
 #include "base/power_of_two.h"
+#include "lod/longest_edges.h"
 
 namespace occam::lod {
 
@@ -30,6 +31,8 @@ enum class LevelMode {
 
 /// Says how a frame chooses levels.
 struct LevelSettings {
+    static constexpr float kOverlapEdges = 0.1f;
+
     Vec3d eye{0};
     Footprint pixel;         ///< footprint of one pixel of the camera
     float shading_rate = 1;  ///< target edge length, in widths of the footprint
@@ -38,7 +41,7 @@ struct LevelSettings {
     LevelMode mode = LevelMode::PerRay;
     /// Segments of a ray overlap by the larger of these: in edges of the finer pair, and in ulps of the largest coordinate
     /// where they meet (watertightness rule 13). Tests make them small, since a wide overlap hides faults.
-    float overlap_edges = 0.1f, overlap_ulps = 16;
+    float overlap_edges = kOverlapEdges, overlap_ulps = 16;
     /// The ulps are those of no smaller coordinate than this one, in world length. A tenth of an edge is always more than 25
     /// ulps of a cage's radius (PosedCage::finest_level), so that only those who make overlap_edges smaller need it.
     float least_coordinate = 0;
@@ -56,6 +59,8 @@ struct LevelSettings {
     /// edge of M_l may be longer than d_l by twice this, and a vertex may move by the same amount more between levels, so
     /// margins grow by both.
     float displaced = 0;
+    /// The longest edges of the scene's cages at each level, without displacement.
+    LongestEdges edges{};
 
     /// Edges of the finer level of a pair are at most 1.41 times the target edge length, and at least half of that wherever
     /// the cage's own faces are not smaller. So the blended edges have the target length on the average over all distances.

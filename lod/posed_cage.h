@@ -19,6 +19,7 @@
 #include "lod/displacement.h"
 #include "lod/graph_path.h"
 #include "lod/key_time.h"
+#include "lod/longest_edges.h"
 #include "lod/rates.h"
 #include "lod/topology.h"
 #include "scenegraph/posed_faces.h"
@@ -110,8 +111,14 @@ struct PosedCage {
     /// length and points outside; it is n if the map of that moment leaves no direction.
     Vec3f moved_normal(Vec3f n, KeyTime time) const noexcept;
 
-    /// Returns the finest level, which keeps all rates within kMaxExponent. Finer levels are the same as this one.
-    int finest_level() const noexcept { return std::max(ceil_log2(16 * radius) - kMaxExponent + coarsened, least_level); }
+    /// Returns the finest level, which keeps all rates within kMaxExponent, and divides faces at poles by no more than
+    /// kFinestAtPoles. Finer levels are the same as this one.
+    int finest_level() const noexcept
+    {
+        const float at_poles = slot ? float(slot->poles.longest_of_all()) * (2 * float(1 << kMaxExponent) / kFinestAtPoles)
+                                    : 0;
+        return std::max(ceil_log2(std::max(16.0f, at_poles) * radius) - kMaxExponent + coarsened, least_level);
+    }
 
     /// Maps object axes to the dicing frame, in double and rounded once: a pure function of the point.
     Vec3f pose(Vec3f p) const noexcept

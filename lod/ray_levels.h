@@ -166,9 +166,9 @@ public:
     /// Returns the length of the margin at each end of a segment.
     F margin(int pair) const noexcept
     {
-        const float d = edge_length(pair);
         const F rounding = ulps(pair + 1);
-        return F(2 * d + 4 * settings_->displaced) + max(F(settings_->overlap_edges * d), rounding) + rounding;
+        return F(2 * settings_->edges.at(pair) + 4 * settings_->displaced) +
+               max(F(settings_->overlap_edges * edge_length(pair)), rounding) + rounding;
     }
     /// Returns the length by which the segments at transition b overlap, on either side.
     F overlap(int b) const noexcept { return max(F(settings_->overlap_edges * edge_length(b - 1)), ulps(b)); }

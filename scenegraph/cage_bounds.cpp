@@ -3,7 +3,7 @@
 
 namespace occam {
 
-Box3d box_of_used(const CageSlot& slot, const std::vector<Vec3f>& positions) noexcept
+Box3d box_of_used(const CageSlot& slot, std::span<const Vec3f> positions) noexcept
 {
     Box3d box;
     std::size_t v = 0;

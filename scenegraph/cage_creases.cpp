@@ -14,11 +14,6 @@ namespace {
 
 constexpr std::uint32_t kNone = ~0u;
 
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) noexcept
-{
-    return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
-}
-
 /// Finds what lies across the edges at the vertices of creases.
 class Neighbours {
 public:

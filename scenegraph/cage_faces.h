@@ -1,11 +1,19 @@
 // Visits the faces of cages.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <span>
 
 #include "scenegraph/cage.h"
 
 namespace occam {
+
+/// Returns a number that is the same for both directions of an edge, and for no other edge.
+inline std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) noexcept
+{
+    return std::uint64_t(std::min(a, b)) << 32 | std::max(a, b);
+}
 
 /// Calls visit(face, first) with the vertices of each face of a cage that is not a mesh of triangles; `first` is the number
 /// of its first corner.

@@ -14,6 +14,7 @@
 
 #include "base/box.h"
 #include "base/error.h"
+#include "scenegraph/poles.h"
 
 namespace occam {
 
@@ -40,6 +41,9 @@ struct Contents {
     std::uint32_t deformed_vertices = 0;  ///< of the largest cage that a skin or morph targets deform
     std::uint32_t joints = 0;             ///< of the largest skin that a node wears
     std::uint32_t written_faces = 0;      ///< of the largest cage whose vertices move by keys of their own
+    /// The longest edges at poles, in lengths of the node. Deformation counts as if it stretched them as it stretches the
+    /// box of the cage. Cages on demand have none, because nobody knows their faces.
+    Poles poles;
     /// The sum over all that is placed below of how many surfaces a ray meets in it, times the size of its box
     /// (Contents::size_of), in the axes of the node. See layers_in().
     double crossed = 0;
@@ -59,15 +63,18 @@ struct Contents {
         deformed_vertices = std::max(deformed_vertices, other.deformed_vertices);
         joints = std::max(joints, other.joints);
         written_faces = std::max(written_faces, other.written_faces);
+        poles.add(other.poles);
         crossed += other.crossed;
         most_layers = std::max(most_layers, other.most_layers);
         held += other.held;
         most_depth = std::max(most_depth, other.most_depth);
     }
     /// Adds what is placed below as a whole: `box` is its box in the axes of this node, and `own` its box in its own axes.
-    void add_placed(const Contents& other, const Box3d& own, const Box3d& box) noexcept
+    /// stretch   the largest factor by which its placement lengthens anything
+    void add_placed(const Contents& other, const Box3d& own, const Box3d& box, double stretch) noexcept
     {
         Contents placed = other;
+        placed.poles = other.poles.scaled(stretch);
         placed.crossed = other.layers_in(own) * size_of(box);
         placed.held = other.depth_in(own) * volume_of(box);
         ++placed.levels;

@@ -56,10 +56,8 @@ std::size_t count_edges(const Cage& cage)
     std::vector<std::uint64_t> edges;
     edges.reserve(cage.face_vertices.size());
     for_each_face(cage, [&](std::span<const std::uint32_t> corners, std::size_t) {
-        for (std::size_t c = 0; c < corners.size(); ++c) {
-            const auto [a, b] = std::minmax(corners[c], corners[(c + 1) % corners.size()]);
-            edges.push_back(std::uint64_t(a) << 32 | b);
-        }
+        for (std::size_t c = 0; c < corners.size(); ++c)
+            edges.push_back(edge_key(corners[c], corners[(c + 1) % corners.size()]));
     });
     std::ranges::sort(edges);
     return static_cast<std::size_t>(std::unique(edges.begin(), edges.end()) - edges.begin());

@@ -86,6 +86,8 @@ struct Node : NodeDesc {
 /// Returns the bounds of what the node shows at all keys of the shutter, in its parent's axes; empty if it is never
 /// visible.
 Box3d box_in_parent(const Node& node) noexcept;
+/// Returns the largest factor by which a node's transform lengthens anything, at all keys of the shutter.
+double largest_stretch_to_parent(const Node& node) noexcept;
 
 /// A cage and the counters that tell the engine's caches when it has changed.
 struct CageSlot {
@@ -99,6 +101,7 @@ struct CageSlot {
     std::uint64_t identity = 0;  ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
     std::uint32_t largest_face = 4;              ///< corners; at least 4, and 4 for an OnDemandCage
+    Poles poles;                                 ///< in lengths of the diagonal of the cage's box
     std::size_t derived_points = 0;              ///< the most that a pose has (large_parts.h); 0 for an OnDemandCage
     std::vector<std::uint32_t> unused_vertices;  ///< those that no face has, in ascending order; bounds do not hold them
     DeformBoundsTable deform;    ///< one part, the whole cage; none if no skin and no morph target deforms the cage

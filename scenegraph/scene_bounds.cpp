@@ -110,6 +110,7 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
         if (!cage) continue;
         const Box3d box = cage_bounds(node, *cage, skin);
         bounds.add(box);
+        contents.poles.add(cage->poles.scaled(glm::length(box.extent())));
         contents.crossed += Contents::size_of(box) * cage->layers.crossed;
         if (contents.has(Contents::Passing)) contents.held += Contents::volume_of(box) * cage->layers.held;
     }
@@ -121,7 +122,7 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
         const Node* child = nodes.find(node.children[i]);
         Contents placed;
         if (child && child->is_visible_in_shutter())
-            placed.add_placed(child->contents, child->bounds, box_in_parent(*child));
+            placed.add_placed(child->contents, child->bounds, box_in_parent(*child), largest_stretch_to_parent(*child));
         // Lights are as in the middle of the shutter, where the node may be visible although none of its segments shows it.
         else if (child && child->visible) placed.kinds |= child->contents.kinds & Contents::Lights;
         return placed;
@@ -136,7 +137,7 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
     }
     if (const Node* target = nodes.find(node.instance_of)) {
         bounds.add(target->bounds);
-        contents.add_placed(target->contents, target->bounds, target->bounds);
+        contents.add_placed(target->contents, target->bounds, target->bounds, 1);
     }
     node.bounds = bounds;
     contents.most_layers = std::max(contents.most_layers, contents.layers_in(bounds));

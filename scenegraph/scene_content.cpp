@@ -6,6 +6,7 @@
 #include "base/error_without_file.h"
 #include "scenegraph/content_rules.h"
 #include "scenegraph/large_parts.h"
+#include "scenegraph/poles.h"
 #include "scenegraph/scene_state.h"
 #include "scenegraph/shown_nodes.h"
 
@@ -56,6 +57,7 @@ CageSlot CageSlot::made() const
     const Box3d box = box_of_used(slot, slot.cage.positions);
     if (!box.is_empty() && (glm::any(glm::lessThan(box.lo, bounds.lo)) || glm::any(glm::greaterThan(box.hi, bounds.hi))))
         throw error_without_file("a cage made on demand leaves its bounds", cage.name);
+    slot.poles = find_poles(slot.cage, slot.cage.positions, box);
     return slot;
 }
 
@@ -103,6 +105,7 @@ void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::s
     record.unused_vertices = find_unused_vertices(record.cage);
     record.identity = next_identity();
     find_bounds(record);
+    record.poles = find_poles(record.cage, record.cage.positions, box_of_used(record, record.cage.positions));
 }
 
 CageId Scene::add(Cage cage)
@@ -257,6 +260,7 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
         own.assign(positions.begin(), positions.end());
         positions = own;
     }
+    const Poles poles = find_poles(record.cage, positions, box_of_used(record, positions));
     state_->about_to_write(id, record);
     // The bounds of a cage that is deformed need memory, which may be missing.
     std::vector<Vec3f> before;
@@ -268,6 +272,7 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
     find_bounds(record);
     written.keep();
     record.layers = FaceLayers(record.cage);
+    record.poles = poles;
     ++record.positions_version;
     state_->mark_users_dirty(record);
 }

@@ -6,6 +6,7 @@
 #include <bit>
 
 #include "base/error_without_file.h"
+#include "base/matrix.h"
 #include "scenegraph/scene_state.h"
 #include "scenegraph/shutter.h"
 
@@ -59,6 +60,14 @@ Box3d box_in_parent(const Node& node) noexcept
         if (node.keys[k].visible || (k > 0 && node.keys[k - 1].visible))
             box.add(transform_box(node.keys[k].parent_from_node, node.bounds));
     return box;
+}
+
+double largest_stretch_to_parent(const Node& node) noexcept
+{
+    if (node.keys.empty()) return largest_stretch(Mat3d(node.parent_from_node));
+    double most = 0;
+    for (const NodeKey& key : node.keys) most = std::max(most, largest_stretch(Mat3d(key.parent_from_node)));
+    return most;
 }
 
 Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin, std::size_t key) noexcept

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <span>
 #include <unordered_map>
 
 #include "base/error_without_file.h"
@@ -20,7 +21,7 @@ Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept;
 std::vector<std::uint32_t> find_unused_vertices(const Cage& cage);
 
 /// Returns the box of the positions, one for each vertex of the slot's cage, that are not of unused vertices.
-Box3d box_of_used(const CageSlot& slot, const std::vector<Vec3f>& positions) noexcept;
+Box3d box_of_used(const CageSlot& slot, std::span<const Vec3f> positions) noexcept;
 
 /// Computes the bounds of a slot's cage and of what deforms it. The slot stays as it is if there is no memory for them; a
 /// cage without keys, skin and morph targets needs none.

@@ -28,7 +28,7 @@ lod::Footprint scattered_beam(lod::Footprint smooth, float density, int samples)
 // target edge length grows by d.
 lod::Footprint followable(lod::Footprint beam, float shading_rate) noexcept
 {
-    constexpr float kOverlapEdges = lod::LevelSettings{}.overlap_edges;
+    constexpr float kOverlapEdges = lod::LevelSettings::kOverlapEdges;
     const float target_edge = shading_rate * lod::LevelSettings::kLongestEdge;
     return {beam.a, std::min(beam.b, 1 / ((4 + 2 * kOverlapEdges) * target_edge))};
 }

@@ -131,6 +131,7 @@ void EscapeTest::set_levels()
     levels.pixel = {lod::edge_length(finest_), 0};
     levels.shading_rate = 1 / lod::LevelSettings::kLongestEdge;  // footprints equal edge lengths
     levels.displaced = subject_.posed().displacement.reach;
+    levels.edges = lod::LongestEdges(subject_.scene().contents().poles);
     levels.motion_edges = 0;
     engine_levels_ = levels;
     if (settings_.overlap_ulps > 0) {

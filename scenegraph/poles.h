@@ -1,0 +1,38 @@
+// Poles: vertices around which the limit surface shrinks by less than half from one step of subdivision to the next, so that
+// pieces of its curves become longer there than everywhere else. They are extraordinary vertices of five and more faces, and
+// vertices of three and more faces between two edges that a border or a crease keeps sharp.
+//
+// Rings of faces around a vertex shrink by the subdominant eigenvalue of the subdivision matrix (Ball and Storry 1988). It
+// is that of `n` faces around a smooth vertex, or, between sharp edges, that of twice as many.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "base/box.h"
+#include "scenegraph/cage.h"
+
+namespace occam {
+
+/// The longest edges of faces that meet at poles, by how many faces these have.
+struct Poles {
+    /// The most faces that the poles of a class have.
+    static constexpr std::array<std::uint32_t, 4> kMostFaces{5, 6, 8, ~std::uint32_t(0)};
+    std::array<double, 4> longest{};  ///< 0: there is no such pole
+
+    bool has_any() const noexcept { return *this != Poles(); }
+    double longest_of_all() const noexcept { return *std::max_element(longest.begin(), longest.end()); }
+    void add(const Poles& other) noexcept;
+    /// Notes that edges of this length meet at a pole of so many faces. Fewer than five faces make no pole.
+    void add(std::uint32_t faces, double length) noexcept;
+    Poles scaled(double factor) const noexcept;
+    friend bool operator==(const Poles&, const Poles&) = default;
+};
+
+/// Finds the poles of a sanitized cage with these positions, as if it had no displacement. Lengths are in those of the
+/// diagonal of the box of all vertices that some face has, which `box` must be. A mesh and a bilinear cage have none.
+Poles find_poles(const Cage& cage, std::span<const Vec3f> positions, const Box3d& box);
+
+}  // namespace occam
