@@ -15,12 +15,6 @@
 
 namespace occam::accel {
 
-using FloatLanes = float[kLanes];
-inline VecLanes load(const FloatLanes (&v)[3]) noexcept
-{
-    return {vfloat::load(v[0]), vfloat::load(v[1]), vfloat::load(v[2])};
-}
-
 /// Holds up to four floats per lane, side by side.
 using LaneFours = float[kLanes][4];
 inline void load(const LaneFours& from, vfloat (&to)[4]) noexcept

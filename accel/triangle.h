@@ -6,7 +6,10 @@
 // clamped to where the ray is in the triangle's own box (see Extent and narrowed()).
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cfloat>
+#include <cstddef>
 
 #include "accel/ray_lanes.h"
 
@@ -27,7 +30,8 @@ OCCAM_ALWAYS_INLINE ShearedVertex shear(const RayLanes& ray, const VecLanes& ori
 struct TriangleHit {
     vmask is_hit;
     vfloat t;
-    vmask is_rough{false};  ///< t may be off by more than its own rounding (see narrowed())
+    vmask is_rough{false};           ///< t may be off by more than its own rounding (see narrowed())
+    vfloat spread{0.0f}, det{0.0f};  ///< t may be off by as many ulps of 1 as spread / |det| says
 };
 
 /// Holds the edge functions of a triangle: u belongs to the vertex a (and is zero on b c), and so on.
@@ -55,8 +59,8 @@ OCCAM_ALWAYS_INLINE TriangleHit hit_inside(const RayLanes& ray, const EdgeFuncti
     // The edge functions are off by an ulp of x y each, and t by as large a share of its extent. Boxes allow for four ulps
     // of t (accel/in_box.h), of which this may take two.
     const vfloat x = max(max(abs(a.x), abs(b.x)), abs(c.x)), y = max(max(abs(a.y), abs(b.y)), abs(c.y));
-    const vmask is_rough = (x * y) * (high - low) * vfloat(1.5f) > abs(det) * abs(clamped);
-    return {andnot(inside, det == vfloat(0.0f)), ray.shift + clamped, is_rough};
+    const vfloat spread = (x * y) * (high - low) * vfloat(1.5f);
+    return {andnot(inside, det == vfloat(0.0f)), ray.shift + clamped, spread > abs(det) * abs(clamped), spread, det};
 }
 
 OCCAM_ALWAYS_INLINE TriangleHit intersect(const RayLanes& ray, const ShearedVertex& a, const ShearedVertex& b,
@@ -97,13 +101,46 @@ private:
     }
 };
 
+/// Returns t with the lanes `which` replaced by where rays meet the planes of their triangles, computed in double. A ray
+/// along a plane keeps its t.
+OCCAM_NEVER_INLINE inline vfloat on_planes(const RayLanes& ray, const VecLanes& origin, const VecLanes (&corners)[3],
+                                           unsigned which, vfloat t) noexcept
+{
+    FloatLanes at[3][3], from[3], shear_x, shear_y, per_z, shift, result;
+    for (int p = 0; p < 3; ++p) store(corners[p], at[p]);
+    store(origin, from);
+    ray.sx.store(shear_x);
+    ray.sy.store(shear_y);
+    ray.sz.store(per_z);
+    ray.shift.store(shift);
+    t.store(result);
+    for (; which != 0; which &= which - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(which));
+        const auto point = [&](int p) {
+            return Vec3d(at[p][0][lane], at[p][1][lane], at[p][2][lane]) -
+                   Vec3d(from[0][lane], from[1][lane], from[2][lane]);
+        };
+        const Vec3d a = point(0), b = point(1), c = point(2), normal = glm::cross(b - a, c - a);
+        const double along = normal.x * double(shear_x[lane]) + normal.y * double(shear_y[lane]) + normal.z;
+        if (along == 0) continue;
+        const double z = std::clamp(glm::dot(normal, a) / along, std::min({a.z, b.z, c.z}), std::max({a.z, b.z, c.z}));
+        result[lane] = shift[lane] + static_cast<float>(z * double(per_z[lane]));
+    }
+    return vfloat::load(result);
+}
+
 /// Returns the t of a hit, within the extent of the triangle where it is rough. corner(0) to corner(2) return the corners,
-/// which are read again: few hits are rough.
+/// which are read again: few hits are rough. Where t may be off by more than the coordinates of the origin are, it is
+/// computed again in double: a ray that starts next to a sliver would hit it from the wrong side.
 template <class Corner>
 OCCAM_NEVER_INLINE vfloat narrowed_where_rough(const RayLanes& ray, const VecLanes& origin, const TriangleHit& hit,
                                                const Corner& corner) noexcept
 {
-    return select(hit.is_rough, Extent(ray, origin, corner(0), corner(1), corner(2)).narrowed(hit.t), hit.t);
+    const VecLanes a = corner(0), b = corner(1), c = corner(2);
+    const vfloat least = abs(hit.det) * largest(origin);
+    const unsigned wrong = bits(hit.is_hit & hit.is_rough & (hit.spread > least));
+    const vfloat t = wrong != 0 ? on_planes(ray, origin, {a, b, c}, wrong, hit.t) : hit.t;
+    return select(hit.is_rough, Extent(ray, origin, a, b, c).narrowed(t), t);
 }
 template <class Corner>
 OCCAM_ALWAYS_INLINE vfloat narrowed(const RayLanes& ray, const VecLanes& origin, const TriangleHit& hit,

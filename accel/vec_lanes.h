@@ -6,6 +6,17 @@
 namespace occam::accel {
 
 using VecLanes = VecOf<vfloat>;
+using FloatLanes = float[kLanes];
+inline VecLanes load(const FloatLanes (&v)[3]) noexcept
+{
+    return {vfloat::load(v[0]), vfloat::load(v[1]), vfloat::load(v[2])};
+}
+inline void store(const VecLanes& from, FloatLanes (&to)[3]) noexcept
+{
+    from.x.store(to[0]);
+    from.y.store(to[1]);
+    from.z.store(to[2]);
+}
 
 OCCAM_ALWAYS_INLINE VecLanes middle(const VecLanes& a, const VecLanes& b) noexcept { return (a + b) * 0.5f; }
 inline vfloat dot(const VecLanes& a, const VecLanes& b) noexcept { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }

@@ -1,8 +1,12 @@
 #include "tests/support/closed_rooms.h"
 
+#include <gtest/gtest.h>
+
 #include <map>
 #include <random>
+#include <sstream>
 
+#include "base/error.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/shape_builders.h"
 
@@ -310,6 +314,22 @@ int lit_pixels(const Room& room, const Look& look)
     for (std::size_t i = 0; i < beauty.pixels.size(); i += 4)
         lit += beauty.pixels[i] != 0 || beauty.pixels[i + 1] != 0 || beauty.pixels[i + 2] != 0;
     return lit;
+}
+
+void expect_dark(const Room& room, const Look& look)
+{
+    std::ostringstream what;
+    what << room.name << ", rate " << look.rate << ", level mode " << int(look.lod) << ", integrator "
+         << int(look.integrator) << (look.displaced ? ", displaced" : "") << ", scale " << look.scale
+         << (look.instanced ? ", instanced" : "");
+    if (look.lens > 0)
+        what << ", lens " << look.lens << " focused at " << look.focus << (look.parallel ? ", parallel" : "") << ", tree "
+             << int(look.tree) << ", " << look.spp << " samples";
+    try {
+        EXPECT_EQ(lit_pixels(room, look), 0) << what.str();
+    } catch (const Error& error) {
+        ADD_FAILURE() << what.str() << ": " << error.what();
+    }
 }
 
 }  // namespace occam::test

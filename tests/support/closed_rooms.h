@@ -53,5 +53,7 @@ struct Look {
 
 /// Returns the number of pixels that are not black in a picture from inside the room, with a bright sky outside.
 int lit_pixels(const Room& room, const Look& look);
+/// Expects that no pixel of that picture is lit.
+void expect_dark(const Room& room, const Look& look);
 
 }  // namespace occam::test

@@ -4,37 +4,17 @@
 
 #include <optional>
 #include <random>
-#include <sstream>
 
-#include "base/error.h"
-#include "lod/owned_curves.h"
 #include "tests/support/campaign.h"
 #include "tests/support/closed_rooms.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/made_cages.h"
 #include "tests/support/refined_cages.h"
-#include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
 #include "verify/closed.h"
 
 namespace occam::test {
 namespace {
-
-void expect_dark(const Room& room, const Look& look)
-{
-    std::ostringstream what;
-    what << room.name << ", rate " << look.rate << ", level mode " << int(look.lod) << ", integrator "
-         << int(look.integrator) << (look.displaced ? ", displaced" : "") << ", scale " << look.scale
-         << (look.instanced ? ", instanced" : "");
-    if (look.lens > 0)
-        what << ", lens " << look.lens << " focused at " << look.focus << (look.parallel ? ", parallel" : "") << ", tree "
-             << int(look.tree) << ", " << look.spp << " samples";
-    try {
-        EXPECT_EQ(lit_pixels(room, look), 0) << what.str();
-    } catch (const Error& error) {
-        ADD_FAILURE() << what.str() << ": " << error.what();
-    }
-}
 
 constexpr IntegratorKind kBoth[] = {IntegratorKind::Path, IntegratorKind::Ao};
 
@@ -210,21 +190,6 @@ Look random_look(std::mt19937_64& random)
 }
 
 /// The patches of a flat face that is not convex overlap, and some reach beyond its border, at each level in another way.
-// Edges beside a pole are longer than their level says. With margins as short as elsewhere, hundreds of pixels are lit.
-TEST(ClosedRooms, AreDarkBesidePoles)
-{
-    for (const std::uint32_t faces : {12u, 50u})
-        for (const double away : {0.02, 0.005}) {
-            Room room{"a spindle with poles of " + std::to_string(faces) + " faces", spindle(faces)};
-            const DicedCage diced(room.cage, 0);
-            lod::PatchSurface surface;
-            const Vec3d pole(lod::OwnedCurves(surface).vertex_point(diced.posed, 0, lod::kFinestLevel - 1));
-            room.eye = pole + diced.posed.anchor + away * Vec3d(0.0003, -1, 0.0001);
-            room.target = pole + diced.posed.anchor + away * Vec3d(0.1, 0, 0.05);
-            for (const float rate : {1.0f, 4.0f}) expect_dark(room, {.rate = rate, .width = 48, .height = 48});
-        }
-}
-
 TEST(ClosedRooms, AreDarkOverFloorsThatAreNotConvex)
 {
     EveryNth tested(5);
