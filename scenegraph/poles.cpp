@@ -119,12 +119,18 @@ void Poles::add(const Poles& other) noexcept
     for (std::size_t c = 0; c < longest.size(); ++c) longest[c] = std::max(longest[c], other.longest[c]);
 }
 
-void Poles::add(std::uint32_t faces, double length) noexcept
+std::uint32_t Poles::class_of(std::uint32_t faces) noexcept
 {
-    if (faces < 5) return;
+    if (faces < 5) return 0;
     std::size_t c = 0;
     while (faces > kMostFaces[c]) ++c;
-    longest[c] = std::max(longest[c], length);
+    return 1u << c;
+}
+
+void Poles::add(std::uint32_t classes, double length) noexcept
+{
+    for (std::size_t c = 0; c < longest.size(); ++c)
+        if (classes >> c & 1) longest[c] = std::max(longest[c], length);
 }
 
 Poles Poles::scaled(double factor) const noexcept
@@ -134,25 +140,39 @@ Poles Poles::scaled(double factor) const noexcept
     return scaled;
 }
 
-Poles find_poles(const Cage& cage, std::span<const Vec3f> positions, const Box3d& box)
+PoleFaces::PoleFaces(const Cage& cage)
+{
+    if (cage.scheme != Scheme::CatmullClark) return;
+    const Surroundings surroundings(cage);
+    for_each_face(cage, [&](std::span<const std::uint32_t> face, std::size_t first) {
+        const auto size = static_cast<std::uint32_t>(face.size());
+        std::uint32_t corners = 0;
+        for (const std::uint32_t v : face) corners |= Poles::class_of(surroundings.faces_of_pole(v));
+        // The middle of a face becomes a vertex of as many faces as this has corners.
+        const std::uint32_t middle = Poles::class_of(size);
+        if ((corners | middle) != 0)
+            faces_.push_back({static_cast<std::uint32_t>(first), size & 0xffff, corners & 0xff, middle & 0xff});
+    });
+    faces_.shrink_to_fit();
+}
+
+Poles PoleFaces::measure(const Cage& cage, std::span<const Vec3f> positions, const Box3d& box) const noexcept
 {
     Poles poles;
-    const double diagonal = glm::length(box.extent());
-    if (cage.scheme != Scheme::CatmullClark || box.is_empty() || !(diagonal > 0)) return poles;
-    const Surroundings surroundings(cage);
-    for_each_face(cage, [&](std::span<const std::uint32_t> face, std::size_t) {
-        const auto corner = [&](std::size_t c) { return Vec3d(positions[face[c]]); };
+    const double diagonal = box.is_empty() ? 0 : glm::length(box.extent());
+    if (!(diagonal > 0)) return poles;
+    for (const Face& face : faces_) {
+        const std::size_t size = face.size;
+        const auto corner = [&](std::size_t c) { return Vec3d(positions[cage.face_vertices[face.first + c]]); };
         double longest = 0;
-        for (std::size_t c = 0; c < face.size(); ++c)
-            longest = std::max(longest, glm::distance(corner(c), corner((c + 1) % face.size())));
-        for (const std::uint32_t v : face) poles.add(surroundings.faces_of_pole(v), longest / diagonal);
-        if (face.size() < 5) return;
-        // The middle of a face becomes a vertex of as many faces as this has corners.
+        for (std::size_t c = 0; c < size; ++c) longest = std::max(longest, glm::distance(corner(c), corner((c + 1) % size)));
+        poles.add(face.corners, longest / diagonal);
+        if (face.middle == 0) continue;
         Vec3d middle(0);
-        for (std::size_t c = 0; c < face.size(); ++c) middle += corner(c) / double(face.size());
-        for (std::size_t c = 0; c < face.size(); ++c) longest = std::max(longest, glm::distance(corner(c), middle));
-        poles.add(static_cast<std::uint32_t>(face.size()), longest / diagonal);
-    });
+        for (std::size_t c = 0; c < size; ++c) middle += corner(c) / double(size);
+        for (std::size_t c = 0; c < size; ++c) longest = std::max(longest, glm::distance(corner(c), middle));
+        poles.add(face.middle, longest / diagonal);
+    }
     return poles;
 }
 

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "base/box.h"
 #include "scenegraph/cage.h"
@@ -25,14 +26,33 @@ struct Poles {
     bool has_any() const noexcept { return *this != Poles(); }
     double longest_of_all() const noexcept { return *std::max_element(longest.begin(), longest.end()); }
     void add(const Poles& other) noexcept;
-    /// Notes that edges of this length meet at a pole of so many faces. Fewer than five faces make no pole.
-    void add(std::uint32_t faces, double length) noexcept;
+    /// Returns a mask of the class of a pole of so many faces; 0 for fewer than five, which make no pole.
+    static std::uint32_t class_of(std::uint32_t faces) noexcept;
+    /// Notes that edges of this length meet at poles of the classes in a mask.
+    void add(std::uint32_t classes, double length) noexcept;
     Poles scaled(double factor) const noexcept;
     friend bool operator==(const Poles&, const Poles&) = default;
 };
 
-/// Finds the poles of a sanitized cage with these positions, as if it had no displacement. Lengths are in those of the
-/// diagonal of the box of all vertices that some face has, which `box` must be. A mesh and a bilinear cage have none.
-Poles find_poles(const Cage& cage, std::span<const Vec3f> positions, const Box3d& box);
+/// The faces of a sanitized cage that meet at poles. It needs no memory for a cage without poles; a mesh and a bilinear cage
+/// have none.
+class PoleFaces {
+public:
+    PoleFaces() = default;
+    explicit PoleFaces(const Cage& cage);
+
+    /// Returns the longest edges with these positions, in lengths of the diagonal of the box of all vertices that some face
+    /// has, which `box` must be. Displacement does not count.
+    Poles measure(const Cage& cage, std::span<const Vec3f> positions, const Box3d& box) const noexcept;
+
+private:
+    struct Face {
+        std::uint32_t first;        ///< number of its first corner
+        std::uint32_t size : 16;    ///< corners
+        std::uint32_t corners : 8;  ///< mask of the classes of poles among its corners
+        std::uint32_t middle : 8;   ///< the same for the vertex that subdivision makes in its middle
+    };
+    std::vector<Face> faces_;
+};
 
 }  // namespace occam

@@ -101,6 +101,7 @@ struct CageSlot {
     std::uint64_t identity = 0;  ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
     std::uint32_t largest_face = 4;              ///< corners; at least 4, and 4 for an OnDemandCage
+    PoleFaces pole_faces;                        ///< of the cage's polygons
     Poles poles;                                 ///< in lengths of the diagonal of the cage's box
     std::size_t derived_points = 0;              ///< the most that a pose has (large_parts.h); 0 for an OnDemandCage
     std::vector<std::uint32_t> unused_vertices;  ///< those that no face has, in ascending order; bounds do not hold them

@@ -57,7 +57,7 @@ CageSlot CageSlot::made() const
     const Box3d box = box_of_used(slot, slot.cage.positions);
     if (!box.is_empty() && (glm::any(glm::lessThan(box.lo, bounds.lo)) || glm::any(glm::greaterThan(box.hi, bounds.hi))))
         throw error_without_file("a cage made on demand leaves its bounds", cage.name);
-    slot.poles = find_poles(slot.cage, slot.cage.positions, box);
+    slot.poles = PoleFaces(slot.cage).measure(slot.cage, slot.cage.positions, box);
     return slot;
 }
 
@@ -105,7 +105,8 @@ void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::s
     record.unused_vertices = find_unused_vertices(record.cage);
     record.identity = next_identity();
     find_bounds(record);
-    record.poles = find_poles(record.cage, record.cage.positions, box_of_used(record, record.cage.positions));
+    record.pole_faces = PoleFaces(record.cage);
+    record.poles = record.pole_faces.measure(record.cage, record.cage.positions, box_of_used(record, record.cage.positions));
 }
 
 CageId Scene::add(Cage cage)
@@ -260,7 +261,6 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
         own.assign(positions.begin(), positions.end());
         positions = own;
     }
-    const Poles poles = find_poles(record.cage, positions, box_of_used(record, positions));
     state_->about_to_write(id, record);
     // The bounds of a cage that is deformed need memory, which may be missing.
     std::vector<Vec3f> before;
@@ -272,7 +272,7 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
     find_bounds(record);
     written.keep();
     record.layers = FaceLayers(record.cage);
-    record.poles = poles;
+    record.poles = record.pole_faces.measure(record.cage, record.cage.positions, box_of_used(record, record.cage.positions));
     ++record.positions_version;
     state_->mark_users_dirty(record);
 }

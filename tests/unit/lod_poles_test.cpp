@@ -155,7 +155,8 @@ TEST(Poles, MakeEdgesThatAreLongerThanTheirLevelSays)
 Poles poles_of(Cage cage)
 {
     sanitize(cage);
-    return find_poles(cage, cage.positions, cage.bounds()).scaled(glm::length(cage.bounds().extent()));
+    const Box3d box = cage.bounds();
+    return PoleFaces(cage).measure(cage, cage.positions, box).scaled(glm::length(box.extent()));
 }
 
 TEST(Poles, AreFoundByHowManyFacesMeet)
@@ -233,7 +234,7 @@ TEST(RayLevels, KeepMarginsAsLongAsTheLongestEdges)
 {
     lod::LevelSettings settings;
     Poles poles;
-    poles.add(16, 1.8);
+    poles.add(Poles::class_of(16), 1.8);
     settings.edges = lod::LongestEdges(poles);
     lod::RayLevels<float> table;
     ASSERT_TRUE(table.set({1e-4f, 0.01f}, 0.0f, 1.0f, 1.0f, settings));
