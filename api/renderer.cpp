@@ -185,7 +185,7 @@ struct Job::State {
                                                " of " + std::to_string(settings.spp) + " samples a pixel"
                                          : std::string("out of time: some pixels have no sample and are black"));
         constexpr int kEnoughOfEitherSign = 16;
-        if (settings.filter == render::FilterKind::Mitchell && settings.spp < kEnoughOfEitherSign)
+        if (settings.filter == render::FilterKind::Mitchell && settings.jitter && settings.spp < kEnoughOfEitherSign)
             stats.warnings.push_back("the filter mitchell has negative weights: with fewer than " +
                                      std::to_string(kEnoughOfEitherSign) + " samples some pixels may stay black");
         stats.scene.warnings = stats.warnings.size();

@@ -242,6 +242,7 @@ void make_frames(SequenceParts parts, const std::vector<int>& missing, std::size
             end_interrupted();
         }
         FrameStats stats = job.stats();
+        framing.note_idle_strength(stats);
         const auto write_start = Clock::now();
         WriteOptions write = sequence.write_options();
         write.exposure_seconds = framing.exposure_seconds();

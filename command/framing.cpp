@@ -44,7 +44,8 @@ std::vector<ClipId> choose_clips(const Scene& scene, const RenderArguments& a)
     throw Error(name_of_scene(a), "has no clip of that name or number; " + list_of(names), a.clip);
 }
 
-void set_environment(Scene& scene, const RenderArguments& a)
+// Returns whether the scene has an environment then, whatever its factor is.
+bool set_environment(Scene& scene, const RenderArguments& a)
 {
     if (!a.has_environment) scene.environment = {};
     if (!a.environment.empty()) {
@@ -55,8 +56,10 @@ void set_environment(Scene& scene, const RenderArguments& a)
         image.path = a.environment;
         scene.environment = {Vec3f(1), scene.add(std::move(image)), 0};
     }
+    const bool has_environment = scene.environment.radiance != Vec3f(0);
     scene.environment.radiance *= a.environment_strength;
     scene.environment.rotation += a.environment_rotation_deg * kRadians;
+    return has_environment;
 }
 
 // Statistics may have any name, so a slip of the hand may name a file of the scene, or what another program has written.
@@ -104,18 +107,32 @@ Framing::Framing(Scene& scene, const RenderArguments& arguments)
       clips_(choose_clips(scene, arguments)),
       fit_(arguments.view_from.value_or(ViewFrom::ThreeQuarter), up(),
            arguments.fov_deg > 0 ? arguments.fov_deg * kRadians : CameraLens().fov,
-           float(arguments.settings.width) / float(arguments.settings.height))
+           float(arguments.settings.width) / float(arguments.settings.height)),
+      has_environment_(set_environment(scene, arguments))
 {
-    set_environment(scene, arguments);
+    if (arguments.environment_rotation_deg != 0 && !scene.environment.image)
+        note_idle("no image is around the scene, so --environment-rotation changes nothing");
     if (arguments.time || arguments.frame) note_stillness("--time and --frame change nothing");
 }
 
-void Framing::note_stillness(const char* consequence)
+void Framing::note_stillness(const std::string& consequence)
 {
-    if (!clips_.empty()) return;
-    std::string warning = std::string("nothing in the scene is animated, so ") + consequence;
+    if (clips_.empty()) note_idle("nothing in the scene is animated, so " + consequence);
+}
+
+void Framing::note_idle(std::string warning)
+{
     if (arguments_.load.strict) throw Error(name_of_scene(arguments_), warning);
     scene_.warnings.push_back(std::move(warning));
+}
+
+void Framing::note_idle_strength(FrameStats& stats) const
+{
+    const RenderArguments& a = arguments_;
+    if (a.environment_strength == 1 || has_environment_) return;
+    if (stats.lights.has_default || a.settings.sky == shade::Sky::On) return;
+    stats.warnings.push_back("neither an image nor daylight is around the scene, so --environment-strength changes nothing");
+    stats.scene.warnings = stats.warnings.size();
 }
 
 bool Framing::is_fitted() const

@@ -16,12 +16,12 @@ namespace occam::command {
 /// Chooses the camera and the pose of each frame of one scene.
 class Framing {
 public:
-    /// Throws Error if the clip does not exist. If a time is asked for and nothing moves, that is a warning of the scene, or
-    /// an Error if the arguments are strict.
+    /// Throws Error if the clip does not exist. If a time is asked for and nothing moves, or a rotation and the environment
+    /// has no image, that is a warning of the scene, or an Error if the arguments are strict.
     Framing(Scene& scene, const RenderArguments& arguments);
 
     /// If nothing in the scene is animated, adds a warning to it that says so, or throws Error if the arguments are strict.
-    void note_stillness(const char* consequence);
+    void note_stillness(const std::string& consequence);
     /// Makes camera() see the scene throughout its clip, with one camera for all frames. Changes the pose.
     void fit_clip();
 
@@ -42,7 +42,13 @@ public:
     /// Throws Error if they are not valid, or if the format of the output cannot hold a picture of that size.
     Settings settings(const Camera& camera) const;
 
+    /// Adds a warning to the figures of a frame if a factor of the environment's brightness was asked for and the frame had
+    /// neither an environment nor a sky, which is known only after it.
+    void note_idle_strength(FrameStats& stats) const;
+
 private:
+    /// Adds a warning to the scene about an option that does nothing there, or throws Error if the arguments are strict.
+    void note_idle(std::string warning);
     bool is_fitted() const;  ///< neither the arguments nor the file name a camera
     Vec3d up() const;
     void fit_pose();
@@ -56,6 +62,7 @@ private:
     lod::Extent extent_;
     CameraFit fit_;
     bool is_clip_fitted_ = false;
+    bool has_environment_;  ///< the scene's own or the given one, whatever its factor is
 };
 
 /// Says how waiting for a frame ended.

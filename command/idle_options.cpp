@@ -18,13 +18,21 @@ bool is_debug_view(const RenderArguments& a, const Given&) { return a.settings.v
 
 bool is_ao(const RenderArguments& a, const Given&) { return a.settings.integrator == IntegratorKind::Ao; }
 
+bool has_no_jitter(const RenderArguments& a, const Given&) { return !a.settings.jitter; }
+
+// Of `occam render`. What is set for a picture may stay in the command, and what is set for its file may if the file does.
+bool is_one_sample(const RenderArguments& a, const Given&) { return a.replay.has_value(); }
+bool is_one_sample_without_file(const RenderArguments& a, const Given&) { return a.replay && a.output.empty(); }
+
 // Of `occam verify`: render has none of the options that this concerns.
 bool is_one_ray(const RenderArguments&, const Given& given) { return given.contains("--replay"); }
 
 constexpr char kHoldsLight[] = "EXR and HDR files hold the light as it is; it is for PNG, JPEG and TIFF",
                kNoLight[] = "a debug view shows no light", kAo[] = "--integrator ao does not follow light",
                kAllSides[] = "--integrator ao has equal light from all sides",
-               kOneRay[] = "--replay traces one ray, and prints its steps";
+               kOneRay[] = "--replay traces one ray, and prints its steps",
+               kOneSample[] = "--replay traces one sample, and makes no picture",
+               kInTheMiddle[] = "with --jitter off all samples lie in the middle of their pixels";
 
 // Where the name of the picture has no format, that is what is wrong.
 bool has_no_layers(const RenderArguments& a, const Given&)
@@ -46,6 +54,16 @@ struct Rule {
 };
 
 constexpr Rule kRules[] = {
+    {"--stats", is_one_sample, kOneSample},
+    {"--checkpoint", is_one_sample, kOneSample},
+    {"--resume", is_one_sample, kOneSample},
+    {"--deadline", is_one_sample, kOneSample},
+    {"--aov", is_one_sample_without_file, kOneSample},
+    {"--exr", is_one_sample_without_file, kOneSample},
+    {"--exposure", is_one_sample_without_file, kOneSample},
+    {"--tonemap", is_one_sample_without_file, kOneSample},
+    {"--filter", has_no_jitter, kInTheMiddle},
+    {"--filter-radius", has_no_jitter, kInTheMiddle},
     {"--aov", has_no_layers, "only EXR files hold layers"},
     {"--exr", has_no_layers, "the picture is no EXR file"},
     {"--exposure", is_scene_linear, kHoldsLight},

@@ -129,7 +129,8 @@ void add_camera(CLI::App& app, RenderArguments& a)
                                     });
     lens->needs(focus);
     focus->needs(lens);
-    add_whole(app, "--blades", a.blades, 0, 64, "Corners of the lens's opening [0: round]")->needs(lens);
+    const auto set_blades = [&](const std::string& t) { a.blades = corners_of(t); };
+    add_value(app, "--blades", "Corners of the lens's opening, from 3 to 64 [0: round]", "N", set_blades)->needs(lens);
 }
 
 void add_checkpoint(CLI::App& app, RenderArguments& a)
@@ -193,7 +194,6 @@ void apply_quality(const CLI::App& app, Settings& s)
 // Prints on standard error the first option that has no effect, and returns false if there is one.
 bool all_have_effect(const CLI::App& app, const RenderArguments& a)
 {
-    if (a.replay) return true;  // what concerns the file of the picture may be left in the command
     std::set<std::string> given;
     for (const CLI::Option* option : app.get_options())
         if (option->count() > 0) given.insert(option->get_name());

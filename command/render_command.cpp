@@ -191,6 +191,7 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
         end_interrupted();
     }
     FrameStats stats = checkpoint_file.stats_of(job);
+    framing.note_idle_strength(stats);
 
     display.say("writing " + a.output.string());
     const auto write_start = Clock::now();

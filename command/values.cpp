@@ -31,6 +31,13 @@ double number_of(std::string_view text)
     return value;
 }
 
+int corners_of(std::string_view text)
+{
+    const auto corners = static_cast<int>(whole_of(text, 0, 64));
+    if (corners == 1 || corners == 2) expected("0, or from 3 to 64", text);
+    return corners;
+}
+
 std::optional<float> stops_of(std::string_view text)
 {
     if (text == "auto") return std::nullopt;

@@ -21,6 +21,7 @@ std::vector<double> numbers_of(std::string_view text, std::size_t n);  ///< n of
 std::vector<std::string_view> words_of(std::string_view text);         ///< with commas between; none is empty
 Vec3d axis_of(std::string_view text);                                  ///< "x", "y", "z" or "0,1,0.5", not all zero
 std::pair<int, int> size_of(std::string_view text);                    ///< "1280x720"
+int corners_of(std::string_view text);                                 ///< "6", from 3 to 64, or 0 for a round shape
 std::size_t bytes_of(std::string_view text);                           ///< "512M", "2G", "1.5G", "4096"; powers of 1024
 bool is_on(std::string_view text);                                     ///< "on" or "off"
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "occam/occam.h"
 #include "tests/support/command_test.h"
 
 namespace occam {
@@ -47,6 +48,18 @@ TEST_F(CommandOptions, OptionsThatWouldDoNothingAreRefused)
         {"render", "triangle.obj", "-o", "a.png", "--blades", "5"},
         {"render", "triangle.obj", "-o", "a.png", "--fps", "30"},
         {"render", "-o", "a.png", "--subdivide", "on"},
+        {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--stats", "a.json"},
+        {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--checkpoint", "on"},
+        {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--deadline", "1"},
+        {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--resume"},
+        {"render", "triangle.obj", "--replay", "3,3", "--aov", "depth"},
+        {"render", "triangle.obj", "--replay", "3,3", "--exr", "float"},
+        {"render", "triangle.obj", "--replay", "3,3", "--exposure", "1"},
+        {"render", "triangle.obj", "--replay", "3,3", "--tonemap", "srgb"},
+        {"render", "triangle.obj", "-o", "a.exr", "--jitter", "off", "--filter", "gaussian"},
+        {"render", "triangle.obj", "-o", "a.exr", "--jitter", "off", "--filter-radius", "3"},
+        {"render", "triangle.obj", "-o", "a.exr", "--lens", "0.1", "--focus", "2", "--blades", "1"},
+        {"render", "triangle.obj", "-o", "a.exr", "--lens", "0.1", "--focus", "2", "--blades", "2"},
         {"compare", "a.exr", "a.exr", "--layer", "smell"},
         {"compare", "a.exr", "a.exr", "--heat-scale", "2"},
         {"verify", "triangle.obj", "--rays", "100"}};
@@ -105,6 +118,55 @@ TEST_F(CommandOptions, AMomentOfAStillSceneIsAWarningAndAnErrorIfItIsStrict)
         const Outcome strict = run(words);
         EXPECT_EQ(strict.exit_code, kBadInput) << words[0];
         EXPECT_NE(strict.err.find("occam: tetrahedron.obj: " + what), std::string::npos) << strict.err;
+    }
+}
+
+// A rotation shows on an image alone, and a factor of brightness also on the daylight that a scene without lamps gets.
+TEST_F(CommandOptions, AnEnvironmentThatIsNotThereIsNeitherTurnedNorMadeBrighterWithoutAWord)
+{
+    std::ofstream(folder / "lamp.gltf") << R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_lights_punctual"],
+"scene": 0, "scenes": [{"nodes": [0]}], "extensions": {"KHR_lights_punctual": {"lights": [{"type": "directional"}]}},
+"nodes": [{"extensions": {"KHR_lights_punctual": {"light": 0}}}]})";
+    const auto outcome_of = [&](const std::string& scene, std::vector<std::string> words) {
+        words.insert(words.begin(), {"render", scene, "-o", "a.png", "--size", "8x4", "--spp", "1"});
+        return run(words);
+    };
+    const std::string turned = "no image is around the scene, so --environment-rotation changes nothing\n",
+                      brighter =
+                          "neither an image nor daylight is around the scene, so --environment-strength changes nothing\n";
+    for (const char* scene : {"triangle.obj", "lamp.gltf"}) {
+        const Outcome o = outcome_of(scene, {"--environment-rotation", "90"});
+        EXPECT_EQ(o.exit_code, kDone) << scene;
+        EXPECT_NE(o.err.find("occam: warning: " + turned), std::string::npos) << scene << ": " << o.err;
+        const Outcome strict = outcome_of(scene, {"--environment-rotation", "90", "--strict"});
+        EXPECT_EQ(strict.exit_code, kBadInput) << scene;
+        EXPECT_NE(strict.err.find(turned), std::string::npos) << scene << ": " << strict.err;
+    }
+    for (const char* factor : {"0", "5"}) {
+        const Outcome o = outcome_of("lamp.gltf", {"--environment-strength", factor});
+        EXPECT_EQ(o.exit_code, kDone) << factor;
+        EXPECT_NE(o.err.find("occam: warning: " + brighter), std::string::npos) << factor << ": " << o.err;
+        EXPECT_EQ(outcome_of("triangle.obj", {"--environment-strength", factor}).err.find(brighter), std::string::npos);
+        EXPECT_EQ(outcome_of("lamp.gltf", {"--environment", "sky", "--environment-strength", factor}).err.find(brighter),
+                  std::string::npos);
+    }
+    ASSERT_EQ(run({"render", "triangle.obj", "-o", "sky.hdr", "--size", "8x4", "--spp", "1"}).exit_code, kDone);
+    const Outcome image = outcome_of("lamp.gltf", {"--environment", "sky.hdr", "--environment-rotation", "90",
+                                                   "--environment-strength", "5", "--strict"});
+    EXPECT_EQ(image.exit_code, kDone) << image.err;
+    EXPECT_EQ(image.err.find("changes nothing"), std::string::npos) << image.err;
+}
+
+// Such a filter moves samples, and there is nothing to move.
+TEST_F(CommandOptions, AFilterOfBothSignsIsNoConcernWithoutJitter)
+{
+    Scene scene;
+    Settings settings{.width = 8, .height = 8, .spp = 1, .jitter = false, .filter = render::FilterKind::Mitchell};
+    Renderer renderer;
+    for (const bool jitter : {false, true}) {
+        settings.jitter = jitter;
+        renderer.render(scene, Camera::framing({}), settings);
+        EXPECT_EQ(renderer.stats().warnings.size(), jitter ? 1u : 0u);
     }
 }
 
