@@ -113,13 +113,15 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
 }
 
 // Returns a frame that was cancelled before its workers began: what an earlier run has made of it.
-FrameResult frame_so_far(const FrameInputs& in, FrameStats& stats)
+FrameResult frame_so_far(const FrameInputs& in, FrameControl& control, FrameStats& stats)
 {
     Film film(in.settings);
     if (!in.checkpoint.empty()) {
         FrameSums sums(in.settings, in.camera);
         sums.restore(in.checkpoint, scene_hash(in));
-        develop_all(sums, make_tiles(crop_pixels(in.settings)), in.settings, film);
+        const std::vector<PixelRect> tiles = make_tiles(crop_pixels(in.settings));
+        const std::size_t done = develop_all(sums, tiles, in.settings, film);
+        control.start_samples(tiles.size() * static_cast<std::size_t>(in.settings.spp), done);
         stats.image.least_samples = sums.least_samples();
     }
     stats.complete = false;
@@ -135,7 +137,7 @@ FrameResult render_frame(const FrameInputs& in, FrameControl& control, FrameStat
     try {
         return make_frame(in, control, stats);
     } catch (const Cancelled&) {
-        return frame_so_far(in, stats);  // workers end by themselves
+        return frame_so_far(in, control, stats);  // workers end by themselves
     }
 }
 

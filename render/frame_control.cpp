@@ -9,9 +9,11 @@ FrameControl::Progress FrameControl::progress() const noexcept
     Progress p;
     p.stage = stage_.load();
     const std::size_t all = samples_, done = done_, before = done_before_;
-    if (p.stage == Stage::Done) return {p.stage, 1, 0};
-    if (p.stage != Stage::Rendering || all == 0) return p;
+    const bool is_done = p.stage == Stage::Done;
+    if (is_done) p.seconds_left = 0;
+    if ((p.stage != Stage::Rendering && !is_done) || all == 0) return p;
     p.fraction = double(done) / double(all);
+    if (is_done) return p;
     const double spent = seconds_since(start_.load());
     if (done > before) p.seconds_left = spent * double(all - done) / double(done - before);
     return p;

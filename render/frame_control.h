@@ -15,7 +15,8 @@ public:
 
     struct Progress {
         Stage stage = Stage::Waiting;
-        double fraction = 0;       ///< share of the samples that are done
+        /// Share of the samples that are done. Of a frame that was stopped it stays below 1: Stage::Done says that it ended.
+        double fraction = 0;
         double seconds_left = -1;  ///< an estimate from the samples so far; below 0: unknown
     };
     Progress progress() const noexcept;

@@ -198,7 +198,24 @@ TEST(Progressive, APictureThatIsCancelledBeforeItGoesOnIsThatOfTheCheckpoint)
     next.cancel();
     EXPECT_EQ(next.checkpoint(), checkpoint);
     EXPECT_EQ(next.stats().image.least_samples, first.stats().image.least_samples);
+    EXPECT_EQ(next.progress().fraction, first.progress().fraction);
     expect_same(next.image(), first.image());
+}
+
+TEST(Progressive, TheProgressOfAPictureThatWasStoppedIsItsShare)
+{
+    ProgressiveScene subject;
+    const Job job = stopped_after(5, subject);
+    job.wait();
+    EXPECT_EQ(job.progress().stage, Stage::Done);
+    EXPECT_EQ(job.progress().seconds_left, 0);
+    EXPECT_GT(job.progress().fraction, 5 / 4096.0);
+    EXPECT_LT(job.progress().fraction, 1);
+    subject.settings.spp = 2;
+    Renderer renderer;
+    const Job whole = renderer.start(subject.scene, subject.camera, subject.settings);
+    whole.wait();
+    EXPECT_EQ(whole.progress().fraction, 1);
 }
 
 TEST(Progressive, ACheckpointWithTexturesOfOtherSizesIsRefused)
