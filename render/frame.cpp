@@ -48,9 +48,12 @@ std::unique_ptr<FrameSums> sums_of(const FrameInputs& in)
 // textures may make another picture.
 std::uint64_t scene_hash(const FrameInputs& in) { return content_hash(in.scene) ^ in.textures.halvings_hash(); }
 
-// Develops what an earlier run has made. Returns the number of its samples, counting one pixel of each tile.
-std::size_t develop_all(const FrameSums& sums, const std::vector<PixelRect>& tiles, const Settings& settings, Film& film)
+// Develops what an earlier run has made, and sets the counts of samples in the picture to its own. Returns the number of
+// its samples, counting one pixel of each tile.
+std::size_t develop_all(const FrameSums& sums, const std::vector<PixelRect>& tiles, const Settings& settings, Film& film,
+                        FrameStats::Image& counts)
 {
+    counts.samples = counts.samples_not_finite = 0;
     std::size_t done = 0;
     std::vector<PixelSums> pixels;
     std::vector<MatteSums> mattes[2];
@@ -63,6 +66,8 @@ std::size_t develop_all(const FrameSums& sums, const std::vector<PixelRect>& til
         const std::vector<Pixel> places = pixels_of(tile);
         for (std::size_t i = 0; i < places.size(); ++i) {
             film.store(places[i].x, places[i].y, pixels[i]);
+            counts.samples += static_cast<std::uint64_t>(pixels[i].count());
+            counts.samples_not_finite += static_cast<std::uint64_t>(pixels[i].not_finite());
             for (int k : {0, 1})
                 if (settings.has(kMattes[k]))
                     film.store(places[i].x, places[i].y, kMattes[k], mattes[k][i], pixels[i].weight());
@@ -90,7 +95,7 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
         stats.memory.film_bytes += FrameSums::bytes_for(in.settings);
         if (!in.checkpoint.empty()) {
             sums->restore(in.checkpoint, scene_hash(in));
-            done_before = develop_all(*sums, tiles, in.settings, film);
+            done_before = develop_all(*sums, tiles, in.settings, film, stats.image);
         }
     }
     const auto sketch_start = Clock::now();
@@ -120,7 +125,7 @@ FrameResult frame_so_far(const FrameInputs& in, FrameControl& control, FrameStat
         FrameSums sums(in.settings, in.camera);
         sums.restore(in.checkpoint, scene_hash(in));
         const std::vector<PixelRect> tiles = make_tiles(crop_pixels(in.settings));
-        const std::size_t done = develop_all(sums, tiles, in.settings, film);
+        const std::size_t done = develop_all(sums, tiles, in.settings, film, stats.image);
         control.start_samples(tiles.size() * static_cast<std::size_t>(in.settings.spp), done);
         stats.image.least_samples = sums.least_samples();
     }

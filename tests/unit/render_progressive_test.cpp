@@ -66,7 +66,8 @@ TEST(Progressive, APictureOfManyShortRunsHasTheBitsOfOne)
 {
     ProgressiveScene subject;
     subject.settings.error = 0.1f;
-    const Image whole = Renderer().render(subject.scene, subject.camera, subject.settings);
+    Renderer at_once;
+    const Image whole = at_once.render(subject.scene, subject.camera, subject.settings);
     std::string checkpoint;
     int runs = 0;
     for (double seconds = 0.002;; seconds *= 1.3) {
@@ -79,6 +80,7 @@ TEST(Progressive, APictureOfManyShortRunsHasTheBitsOfOne)
         EXPECT_EQ(checkpoint.empty(), job.stats().complete);
         if (!checkpoint.empty()) continue;
         expect_same(job.image(), whole);
+        EXPECT_EQ(job.stats().image.samples, at_once.stats().image.samples) << "those of all runs";
         break;
     }
     EXPECT_GT(runs, 2);
@@ -199,6 +201,8 @@ TEST(Progressive, APictureThatIsCancelledBeforeItGoesOnIsThatOfTheCheckpoint)
     EXPECT_EQ(next.checkpoint(), checkpoint);
     EXPECT_EQ(next.stats().image.least_samples, first.stats().image.least_samples);
     EXPECT_EQ(next.progress().fraction, first.progress().fraction);
+    EXPECT_GE(next.stats().image.samples, 30u * 20u);
+    EXPECT_LE(next.stats().image.samples, first.stats().image.samples);
     expect_same(next.image(), first.image());
 }
 
