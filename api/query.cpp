@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 
@@ -8,6 +9,7 @@
 #include "accel/tracer.h"
 #include "api/renderer_state.h"
 #include "base/error_without_file.h"
+#include "base/unit_vector.h"
 #include "render/camera_rays.h"
 #include "render/mask_filter.h"
 #include "scenegraph/content_rules.h"
@@ -42,18 +44,15 @@ struct Asked {
     accel::Frame frame;
 };
 
-/// Returns the unit vector of a direction, and zero for one that is zero or not finite. Squares of the lengths of others may
-/// be too large or too small for a double.
-Vec3d unit_vector(Vec3d direction) noexcept
+/// Returns the end of a ray as a float that is a little above it: the distance of a surface that lies there is a float, too,
+/// and rays end before the end that they are given.
+float end_above(double far) noexcept
 {
-    double largest = 0;
-    for (int c = 0; c < 3; ++c) {
-        if (!std::isfinite(direction[c])) return Vec3d(0);
-        largest = std::max(largest, std::abs(direction[c]));
-    }
-    if (largest == 0) return Vec3d(0);
-    for (int c = 0; c < 3; ++c) direction[c] = std::scalbn(direction[c], -std::ilogb(largest));
-    return direction / glm::length(direction);
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    if (!(far > 0)) return 0;
+    float end = far < double(std::numeric_limits<float>::max()) ? static_cast<float>(far) : kInfinity;
+    for (int step = 0; step < 2; ++step) end = std::nextafter(end, kInfinity);
+    return end;
 }
 
 /// Returns the footprint in frame lengths. A width of 0 everywhere is that of the finest surface: a ray without a footprint
@@ -88,7 +87,7 @@ accel::Ray ray_of(const QueryRay& asked, const Asked& about)
     ray.kinds = asked.kinds;
     ray.origin = origin;
     ray.direction = Vec3f(direction);
-    ray.t_far = static_cast<float>(asked.far * about.scale.to_frame());
+    ray.t_far = end_above(asked.far * about.scale.to_frame());
     if (asked.footprint) ray.footprint = footprint_of(*asked.footprint, about.scale);  // else the camera's at the origin
     return ray;
 }
@@ -289,10 +288,11 @@ bool Query::is_occluded(const QueryRay& ray) const
 
 std::optional<Hit> Query::pick(double x, double y, int width) const
 {
+    const Asked& about = state_->asked_about();
     if (width < 1 || width > render::kMaxSide)
         throw error_without_file("from 1 to " + std::to_string(render::kMaxSide), "width");
     if (!std::isfinite(x) || !std::isfinite(y)) return {};
-    Camera placed = state_->asked_about().scale.placed(state_->camera);
+    Camera placed = about.scale.placed(state_->camera);
     placed.lens.radius = 0;  // the ray through the middle of the lens, which does not end at the plane of focus
     return state_->closest(render::CameraRays(placed, width, state_->height).ray(x, y, Vec2f(0.5f), 0.5f));
 }

@@ -229,7 +229,7 @@ Camera Framing::camera()
     Camera camera;
     if (a.look_at) {
         if (a.look_at->eye == a.look_at->target) throw error_without_file("eye and target are the same point", "--look-at");
-        if (glm::length(glm::cross(a.look_at->target - a.look_at->eye, up())) == 0)
+        if (is_along(a.look_at->target - a.look_at->eye, up()))
             throw error_without_file("up is parallel to the view", "--up");
         camera = Camera::look_at(a.look_at->eye, a.look_at->target, up(), CameraLens{}.fov);
     } else if (!a.camera.empty()) {

@@ -5,21 +5,30 @@
 
 #include "base/error_without_file.h"
 #include "base/maths.h"
+#include "base/unit_vector.h"
 
 namespace occam {
 
+namespace {
+
+constexpr double kLeastSine = 1e-9;  // of the angle between the view and up: below it, they are taken for parallel
+
+}  // namespace
+
+bool is_along(Vec3d view, Vec3d up) noexcept
+{
+    return glm::length(glm::cross(unit_vector(up), unit_vector(view))) <= kLeastSine;
+}
+
 Camera Camera::look_at(Vec3d eye, Vec3d target, Vec3d up, float fov)
 {
-    const Vec3d to_eye = eye - target;
-    const double distance = glm::length(to_eye);
-    if (!(distance > 0 && std::isfinite(distance)))
-        throw error_without_file("a camera needs a target that is not its eye", "look_at");
+    const Vec3d back = unit_vector(eye - target), upwards = unit_vector(up);
+    if (back == Vec3d(0)) throw error_without_file("the eye and the target must be finite and apart", "look_at");
+    if (upwards == Vec3d(0)) throw error_without_file("the direction up must be finite and not zero", "look_at");
     if (!(fov > 0 && fov < maths::kPi)) throw error_without_file("a camera's vertical angle must be in (0, pi)", "look_at");
-    const Vec3d back = to_eye / distance;
-    Vec3d right = glm::cross(up, back);
+    Vec3d right = glm::cross(upwards, back);
     // If the camera looks along `up`, any direction to the right will do, as long as it is always the same.
-    if (!(glm::length(right) > 1e-9 * glm::length(up)))
-        right = glm::cross(std::abs(back.z) < 0.9 ? Vec3d(0, 0, 1) : Vec3d(1, 0, 0), back);
+    if (is_along(back, up)) right = glm::cross(std::abs(back.z) < 0.9 ? Vec3d(0, 0, 1) : Vec3d(1, 0, 0), back);
     right = right / glm::length(right);
     Camera camera;
     camera.world_from_camera = {Vec4d(right, 0), Vec4d(glm::cross(back, right), 0), Vec4d(back, 0), Vec4d(eye, 1)};

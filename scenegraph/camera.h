@@ -32,11 +32,17 @@ struct Camera {
 
     Vec3d eye() const noexcept { return Vec3d(world_from_camera[3]); }
 
+    /// Returns a camera that looks from `eye` to `target`. `up` may have any length, and decides what is above unless the
+    /// camera looks along it. Throws Error if eye and target are the same or not finite, if `up` is zero or not finite, and
+    /// for an angle that is not between 0 and pi.
     static Camera look_at(Vec3d eye, Vec3d target, Vec3d up, float fov);
     /// Returns a camera that sees all of `bounds` from the front, a little from above and the right, with a margin of a
     /// tenth.
     static Camera framing(const Box3d& bounds, float aspect = 16.0f / 9.0f);
 };
+
+/// Returns whether a camera that looks along `view` cannot tell by `up` what is above: they are parallel, or one is zero.
+bool is_along(Vec3d view, Vec3d up) noexcept;
 
 /// When the shutter opens and closes, in frames from the frame's own time: -0.25 and 0.25 are half a frame around it.
 struct Shutter {

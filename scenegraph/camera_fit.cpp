@@ -6,12 +6,13 @@
 
 #include "base/error_without_file.h"
 #include "base/maths.h"
+#include "base/unit_vector.h"
 
 namespace occam {
 namespace {
 
 // Returns the direction from the scene to the eye, in components along right, up and front.
-Vec3d direction_of(ViewFrom side) noexcept
+Vec3d direction_of(ViewFrom side)
 {
     switch (side) {
         case ViewFrom::ThreeQuarter:
@@ -27,7 +28,7 @@ Vec3d direction_of(ViewFrom side) noexcept
         case ViewFrom::Bottom:
             return {0, -1, 0};
     }
-    return {0, 0, 1};
+    throw error_without_file("there is no such side", "view from");
 }
 
 }  // namespace
@@ -36,9 +37,8 @@ CameraFit::CameraFit(ViewFrom side, Vec3d up, float fov, float aspect) : fov_(fo
 {
     constexpr double kMargin = 1.06;
     if (!(fov > 0 && fov < maths::kPi)) throw error_without_file("a camera's vertical angle must be in (0, pi)", "fov");
-    const double length = glm::length(up);
-    if (!(length > 0 && std::isfinite(length))) throw error_without_file("a direction needs a length", "up");
-    up = up / length;
+    up = unit_vector(up);
+    if (up == Vec3d(0)) throw error_without_file("a direction must be finite and not zero", "up");
     Vec3d front = std::abs(up.z) > 0.7 ? Vec3d(0, -1, 0) : Vec3d(0, 0, 1);
     front -= up * glm::dot(front, up);
     front = front / glm::length(front);

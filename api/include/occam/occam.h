@@ -34,6 +34,7 @@ namespace occam {
 
 using accel::TreeKind;
 using render::Aov;
+using render::AovSet;
 using render::FilterKind;
 using render::FrameStats;
 using render::Image;
@@ -53,7 +54,8 @@ using Progress = render::FrameControl::Progress;
 using Stage = render::FrameControl::Stage;
 
 /// Returns the nearest camera that has all of the scene, as it is posed now, in its picture, with a narrow margin. The
-/// command line uses it where a file has no camera.
+/// command line uses it where a file has no camera. A displaced surface counts as if it reached Displacement::bound on all
+/// sides, so that it may fill less of the picture.
 /// aspect   width over height of the picture
 Camera framing(Scene& scene, float aspect = 16.0f / 9.0f, ViewFrom from = ViewFrom::ThreeQuarter, Vec3d up = {0, 1, 0});
 
@@ -170,9 +172,12 @@ struct RayFootprint {
     float width = 0, spread = 0;
 };
 
-/// A ray of a query. One whose origin or direction is not finite, whose direction is zero, whose `far` is not a number or
-/// whose origin is some 10^30 times the size of the scene away hits nothing. Questions throw Error, before any of their rays
-/// is traced, for a footprint or a time out of range, and for kinds that see nothing.
+/// A ray of a query. It is traced with a direction of floats, so at the distance t it is off by about 6e-8 t, in its
+/// position and by as much in what it hits: a ray that starts far from a small surface may miss it. Its origin is exact.
+/// `far` is rounded upwards to a float, so that surfaces there are hit, and those up to 3e-7 of it farther away may be. A
+/// ray whose origin or direction is not finite, whose direction is zero, whose `far` is not a number or whose origin is some
+/// 10^30 times the size of the scene away hits nothing. Questions throw Error, before any of their rays is traced, for a
+/// footprint or a time out of range, and for kinds that see nothing.
 struct QueryRay {
     Vec3d origin{0};
     Vec3d direction{0, 0, -1};                             ///< need not be unit
@@ -223,8 +228,8 @@ public:
     /// Prepares questions about the scene as it is now, seen from that camera. Calls end() first if that was not done.
     void begin(const Camera& camera);
 
-    /// Returns the nearest surface within `far`; `direction` need not be unit. Returns none for a direction that is zero or
-    /// not finite, for an origin that is not finite, and for a `far` that is not a number.
+    /// Returns the nearest surface within `far`, as precisely as QueryRay says; `direction` need not be unit. Returns none
+    /// for a direction that is zero or not finite, for an origin that is not finite, and for a `far` that is not a number.
     std::optional<Hit> closest(Vec3d origin, Vec3d direction, double far = std::numeric_limits<double>::infinity()) const;
     std::optional<Hit> closest(const QueryRay& ray) const;
     /// Finds the nearest surfaces of many rays at once, without what shading needs. This is several times as fast for each

@@ -1,0 +1,187 @@
+// Tests of directions, choices and numbers that applications give, at the ends of what is allowed and beyond.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <type_traits>
+
+#include "base/unit_vector.h"
+#include "occam/occam.h"
+#include "tests/support/shape_builders.h"
+#include "tests/support/temp_folder.h"
+
+namespace occam {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+template <class Call>
+std::string error_of(Call&& call)
+{
+    try {
+        call();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "no Error";
+}
+
+TEST(UnitVector, LengthsMayBeAny)
+{
+    const Vec3d way(3, -4, 12), unit = way / 13.0;
+    for (const int exponent : {-1020, -600, 0, 600, 1019}) {
+        const Vec3d found = unit_vector(way * std::ldexp(1.0, exponent));
+        EXPECT_EQ(found, unit) << exponent;
+    }
+    EXPECT_EQ(unit_vector({0, 5e-324, 0}), Vec3d(0, 1, 0));
+    for (const Vec3d none : {Vec3d(0), Vec3d(0, kInfinity, 0), Vec3d(0, 1, NAN)}) EXPECT_EQ(unit_vector(none), Vec3d(0));
+}
+
+TEST(CameraDirections, UpMayHaveAnyLengthButHasToBeADirection)
+{
+    const auto looking = [](Vec3d up) { return Camera::look_at({0, 0, 5}, {0, 0, 0}, up, 0.7f).world_from_camera; };
+    const auto fitting = [](Vec3d up) { return CameraFit(ViewFrom::Front, up, 0.7f, 1).camera().world_from_camera; };
+    for (const double length : {1e-300, 1e-200, 1e200, 1e300}) {
+        EXPECT_EQ(looking({0, length, 0}), looking({0, 1, 0})) << length;
+        EXPECT_EQ(fitting({0, length, 0}), fitting({0, 1, 0})) << length;
+    }
+    EXPECT_EQ(Camera::look_at({0, 0, 1e200}, {0, 0, 0}, {0, 1, 0}, 0.7f).eye(), Vec3d(0, 0, 1e200));
+    for (const Vec3d none : {Vec3d(0), Vec3d(NAN, 1, 0), Vec3d(0, kInfinity, 0)}) {
+        EXPECT_NE(error_of([&] { looking(none); }).find("the direction up must be finite and not zero"), std::string::npos);
+        EXPECT_NE(error_of([&] { fitting(none); }).find("a direction must be finite and not zero (up)"), std::string::npos);
+        EXPECT_THROW(Camera::look_at(none, none, {0, 1, 0}, 0.7f), Error);
+    }
+}
+
+TEST(CameraDirections, AViewAlongUpIsFoundAtAnyLength)
+{
+    EXPECT_TRUE(is_along({0, 3, 0}, {0, 1e-200, 0}));
+    EXPECT_TRUE(is_along({1, 2, 3}, {-3, -6, -9}));
+    EXPECT_FALSE(is_along({0, 3, 1e-3}, {0, 1e-200, 0}));
+    EXPECT_FALSE(is_along({1e200, 0, 0}, {0, 1e-200, 0}));
+}
+
+TEST(Query, ASurfaceAtTheEndOfARayIsWithinIt)
+{
+    Scene scene;
+    NodeDesc desc;
+    desc.cages = {scene.add(test::creased_cube(0))};
+    scene.add_node(scene.root(), desc);
+    const Query query(scene, Camera::look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 0.8f));
+    for (int i = 0; i < 100; ++i) {
+        const Vec3d from(0.1, 0.2, 3 + 0.37 * i), way(0.001 * i, -0.01, -1);
+        const std::optional<Hit> hit = query.closest(from, way);
+        if (!hit) continue;
+        EXPECT_TRUE(query.closest(from, way, hit->distance)) << i;
+        EXPECT_TRUE(query.closest(from, way, hit->distance * (1 + 1e-8))) << i;
+        EXPECT_TRUE(query.is_occluded({from, way, hit->distance})) << i;
+        EXPECT_FALSE(query.closest(from, way, hit->distance * (1 - 1e-6))) << i;
+    }
+    EXPECT_FALSE(query.closest({0, 0, 5}, {0, 0, -1}, 0));
+    EXPECT_FALSE(query.closest({0, 0, 5}, {0, 0, -1}, -1));
+    EXPECT_TRUE(query.closest({0, 0, 5}, {0, 0, -1}, 1e300));
+}
+
+TEST(Query, PickThrowsAfterTheEndWhateverItIsAsked)
+{
+    Scene scene;
+    Query query(scene, Camera());
+    EXPECT_FALSE(query.pick(NAN, 0, 10));
+    const std::string waits = error_of([&] { scene.add_node(scene.root(), NodeDesc()); });
+    EXPECT_NE(waits.find("Query::end()"), std::string::npos) << waits;
+    query.end();
+    EXPECT_THROW(query.pick(NAN, 0, 10), Error);
+    EXPECT_THROW(query.pick(0, 0, 10), Error);
+}
+
+TEST(Animation, AMomentJustBeforeALoopIsItsFirstOne)
+{
+    EXPECT_EQ(looped({0, 1}, -1e-20), 0);
+    EXPECT_EQ(looped({0, 1}, 1), 0);
+    EXPECT_EQ(looped({2, 5}, 2 - 1e-16), 2);
+    EXPECT_EQ(looped({0, 1}, -0.25), 0.75);
+}
+
+TEST(Choices, ThatDoNotExistAreRefused)
+{
+    Scene scene;
+    const auto refuses = [&](auto content) { EXPECT_THROW(scene.add(std::move(content)), Error); };
+    Cage cage = test::creased_cube(0);
+    EXPECT_NO_THROW(scene.add(cage));
+    const auto with = [&](auto change) {
+        Cage changed = cage;
+        change(changed);
+        return changed;
+    };
+    refuses(with([](Cage& c) { c.scheme = Scheme(9); }));
+    refuses(with([](Cage& c) { c.boundary = BoundaryRule(9); }));
+    refuses(with([](Cage& c) { c.face_varying = FaceVaryingRule(77); }));
+    refuses(with([](Cage& c) { c.displacement.emplace().space = Displacement::Space(3); }));
+    refuses(with([](Cage& c) { c.displacement.emplace().texture.wrap_t = TextureUse::Wrap(3); }));
+    Material material;
+    material.alpha_mode = AlphaMode(7);
+    refuses(material);
+    material.alpha_mode = AlphaMode::Blend;
+    material.normal_texture.wrap_s = TextureUse::Wrap(3);
+    refuses(material);
+    Texture texture;
+    texture.role = TextureRole(2);
+    refuses(texture);
+    AreaLight area;
+    area.shape = AreaLight::Shape(9);
+    refuses(Light{"area", area});
+    Clip clip;
+    clip.channels.resize(1);
+    clip.channels[0].interpolation = Channel::Interpolation(200);
+    refuses(clip);
+    clip.channels[0].interpolation = Channel::Interpolation::Linear;
+    clip.channels[0].path = Channel::Path(4);
+    refuses(clip);
+    EXPECT_THROW(framing(scene, 1, ViewFrom(9)), Error);
+    for (const Aov aov : {Aov(20), Aov(40), Aov(255)})
+        EXPECT_THROW(Renderer({.threads = 1}).render(scene, Camera(), {.width = 4, .height = 4, .aovs = aov}), Error);
+    const test::TempFolder folder;
+    const Image image = Renderer({.threads = 1}).render(scene, Camera(), {.width = 4, .height = 4, .spp = 1});
+    EXPECT_THROW(image.write(folder.path() / "a.png", {.tonemap = Tonemap(9)}), Error);
+    EXPECT_NO_THROW(image.write(folder.path() / "a.png", {.tonemap = Tonemap::Filmic}));
+}
+
+TEST(Api, NumbersOfWorkersAreNotBelow0)
+{
+    EXPECT_THROW(Renderer({.threads = -1}), Error);
+    EXPECT_THROW(Renderer({.workers_a_tree = -1}), Error);
+    EXPECT_NO_THROW(Renderer({.threads = 0, .workers_a_tree = 0}));
+}
+
+// An application may add layers step by step.
+TEST(Api, SetsOfLayersHaveAName)
+{
+    static_assert(std::is_same_v<occam::AovSet, decltype(Settings::aovs)>);
+    occam::AovSet aovs;
+    for (const Aov aov : {Aov::Depth, Aov::Normal}) aovs |= aov;
+    EXPECT_TRUE(aovs.has(Aov::Normal));
+}
+
+TEST(Api, AWarningOfATextureWithoutANameHasASubject)
+{
+    Scene scene;
+    Texture texture;
+    texture.width = texture.height = 1;
+    texture.pixels = {Vec4f(NAN, 1, 1, 1)};
+    Material material;
+    material.base_color_texture.texture = scene.add(std::move(texture));
+    Cage square = test::textured_square();
+    square.materials = {scene.add(material)};
+    NodeDesc desc;
+    desc.cages = {scene.add(std::move(square))};
+    scene.add_node(scene.root(), desc);
+    Renderer renderer({.threads = 1});
+    renderer.render(scene, framing(scene), {.width = 4, .height = 4, .spp = 1});
+    ASSERT_FALSE(renderer.stats().warnings.empty());
+    EXPECT_EQ(renderer.stats().warnings.front().find("a texture without a name: texels that are not finite"), 0u)
+        << renderer.stats().warnings.front();
+}
+
+}  // namespace
+}  // namespace occam
