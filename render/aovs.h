@@ -5,6 +5,7 @@
 // between the rounds of a picture by PixelSums::visit_packed().
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -34,7 +35,8 @@ enum class Aov : std::uint8_t {
 class AovSet {
 public:
     constexpr AovSet() noexcept = default;
-    constexpr AovSet(Aov aov) noexcept : bits_(1u << static_cast<unsigned>(aov)) {}
+    /// A number that is no layer stays one, which check(const Settings&) refuses.
+    constexpr AovSet(Aov aov) noexcept : bits_(1u << std::min(static_cast<unsigned>(aov), 31u)) {}
     constexpr AovSet(std::initializer_list<Aov> aovs) noexcept
     {
         for (const Aov aov : aovs) *this |= aov;

@@ -309,6 +309,9 @@ void Image::write(const fs::path& file, const WriteOptions& options) const
     check_sides(file, width, height);
     if (layers().empty()) refuse(file, "there is no layer to write");
     if (options.exposure_ev && !std::isfinite(*options.exposure_ev)) refuse(file, "the exposure is not a finite number");
+    if (std::none_of(std::begin(kTonemaps), std::end(kTonemaps),
+                     [&](const TonemapRow& row) { return row.value == options.tonemap; }))
+        refuse(file, "there is no such tone curve");
     for (const Layer& layer : layers())
         if (layer.pixels.size() != layer.channel_count() * std::size_t(width) * std::size_t(height))
             refuse(file, "layer " + layer.name + " does not hold a value of each channel for each pixel");

@@ -39,8 +39,10 @@ Resources Resources::resolved() const
     Resources r = *this;
     using accel::TreeKind;
     require(tree == TreeKind::Auto || tree == TreeKind::Kd || tree == TreeKind::Bvh, "tree", "expected a kind of tree");
-    if (r.threads <= 0) r.threads = processor_count();
-    if (r.workers_a_tree <= 0 || r.workers_a_tree > r.threads) r.workers_a_tree = r.threads;
+    require(threads >= 0, "threads", "expected 0 or more");
+    require(workers_a_tree >= 0, "workers a tree", "expected 0 or more");
+    if (r.threads == 0) r.threads = processor_count();
+    if (r.workers_a_tree == 0 || r.workers_a_tree > r.threads) r.workers_a_tree = r.threads;
     if (r.memory_bytes == 0) {
         // A quarter of the machine, but no more than few threads have a use for.
         const std::size_t most = std::max(std::size_t(3) << 30, static_cast<std::size_t>(r.threads) << 29);
@@ -87,6 +89,9 @@ void check(const Settings& s)
         }
     }
     check(s.shutter);
+    AovSet layers;
+    for (const AovRow& row : kAovs) layers |= row.aov;
+    require((s.aovs | layers) == layers, "aov", "expected layers that exist");
     require(!s.has(Aov::Motion) || s.shutter.is_open(), "aov", "motion needs a shutter that is open for some time");
 }
 

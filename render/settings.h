@@ -127,8 +127,8 @@ struct Resources {
     std::size_t texture_bytes = std::size_t(1) << 30;  ///< textures that do not fit are made smaller (TextureStore)
     accel::TreeKind tree = accel::TreeKind::Auto;      ///< the tree over the parts of the scene that rays touch
 
-    /// Returns a copy in which the zeros above are replaced by what the machine has. Throws Error for a kind of tree that
-    /// does not exist.
+    /// Returns a copy in which the zeros above are replaced by what the machine has. Throws Error for a number below
+    /// 0, and for a kind of tree that does not exist.
     Resources resolved() const;
 };
 

@@ -112,6 +112,7 @@ double looped(TimeRange range, double seconds) noexcept
     if (!(length > 0) || !std::isfinite(seconds)) return range.first;
     double since = std::fmod(seconds - range.first, length);
     if (since < 0) since += length;
+    if (since >= length) since = 0;  // a moment just before the first one, whose distance from it is lost in rounding
     return range.first + since;
 }
 

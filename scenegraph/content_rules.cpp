@@ -1,6 +1,7 @@
 #include "scenegraph/content_rules.h"
 
 #include <cmath>
+#include <type_traits>
 
 #include "base/error_without_file.h"
 #include "base/overloaded.h"
@@ -22,6 +23,13 @@ public:
     void at_least_0(float v, const char* value) const { require(std::isfinite(v) && v >= 0, value, "finite and 0 or more"); }
     void from_0_to_1(float v, const char* value) const { require(v >= 0 && v <= 1, value, "from 0 to 1"); }
     void from_0_to_half_turn(float v, const char* value) const { require(v >= 0 && v <= 3.1416f, value, "from 0 to pi"); }
+    /// last   the last of the choices, which are numbered from 0
+    template <class E>
+    void choice(E v, E last, const char* value) const
+    {
+        require(static_cast<std::underlying_type_t<E>>(v) <= static_cast<std::underlying_type_t<E>>(last), value,
+                "one of its choices");
+    }
     template <class Vec>
     void color(Vec v, const char* value) const
     {
@@ -45,6 +53,8 @@ void check_use(const Rules& rules, const TextureUse& use)
 {
     for (const float v : {use.offset.x, use.offset.y, use.scale.x, use.scale.y, use.rotation})
         rules.finite(v, "the transform of a texture");
+    for (const TextureUse::Wrap wrap : {use.wrap_s, use.wrap_t})
+        rules.choice(wrap, TextureUse::Wrap::Mirror, "the way in which a texture repeats");
     rules.require(use.uv_set == 0 || use.uv_set == 1, "the set of texture coordinates of a texture", "0 or 1");
 }
 
@@ -89,11 +99,25 @@ void check(const Material& m)
     rules.finite(m.bump_scale, "the scale of the bump map");
     rules.from_0_to_1(m.occlusion_strength, "the strength of the occlusion map");
     rules.finite(m.alpha_cutoff, "the alpha cutoff");
+    rules.choice(m.alpha_mode, AlphaMode::Blend, "the alpha mode");
     for (const TextureUse* use : texture_uses(m)) check_use(rules, *use);
+}
+
+void check(const Cage& cage)
+{
+    const Rules rules("cage", cage.name);
+    rules.choice(cage.scheme, Scheme::Triangles, "the scheme");
+    rules.choice(cage.boundary, BoundaryRule::None, "the rule for borders");
+    rules.choice(cage.face_varying, FaceVaryingRule::None, "the rule for texture coordinates");
+    if (!cage.displacement) return;
+    rules.choice(cage.displacement->space, Displacement::Space::Tangent, "the space of the displacement");
+    for (const TextureUse::Wrap wrap : {cage.displacement->texture.wrap_s, cage.displacement->texture.wrap_t})
+        rules.choice(wrap, TextureUse::Wrap::Mirror, "the way in which a texture repeats");
 }
 
 void check(const Texture& texture)
 {
+    Rules("texture", texture.name).choice(texture.role, TextureRole::Data, "the role");
     if (!texture.pixels.empty() && (texture.width <= 0 || texture.height <= 0 ||
                                     texture.pixels.size() != std::size_t(texture.width) * std::size_t(texture.height)))
         throw error_without_file("a texture's pixels must be width * height", texture.name);
@@ -110,6 +134,7 @@ void check(const Light& light)
                                        },
                                        [&](const SunLight& sun) { rules.color(sun.irradiance, "the irradiance"); },
                                        [&](const AreaLight& area) {
+                                           rules.choice(area.shape, AreaLight::Shape::Sphere, "the shape");
                                            rules.color(area.radiance, "the radiance");
                                            rules.at_least_0(area.size.x, "the width");
                                            rules.at_least_0(area.size.y, "the height");
@@ -181,6 +206,8 @@ void check(const Clip& clip)
 {
     const Rules rules("clip", clip.name);
     for (const Channel& channel : clip.channels) {
+        rules.choice(channel.path, Channel::Path::Weights, "a channel's path");
+        rules.choice(channel.interpolation, Channel::Interpolation::CubicSpline, "a channel's interpolation");
         const bool is_rotation = channel.path == Channel::Path::Rotation;
         const int width = is_rotation ? 4 : 3;
         rules.require(channel.path == Channel::Path::Weights ? channel.width >= 0 : channel.width == width,

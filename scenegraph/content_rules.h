@@ -5,6 +5,7 @@
 #include <span>
 
 #include "scenegraph/animation.h"
+#include "scenegraph/cage.h"
 #include "scenegraph/camera.h"
 #include "scenegraph/light.h"
 #include "scenegraph/material.h"
@@ -22,9 +23,11 @@ inline constexpr float kNarrowestView = 1e-5f, kWidestView = 3.14f;
 /// kind, name   of the object that has it
 Mat4d checked_affine(const Mat4d& m, const char* value, const char* kind, const std::string& name);
 
-// Each function throws an Error that names the value and the rule it breaks.
+// Each function throws an Error that names the value and the rule it breaks. A choice has to be one of those that it has.
 void check(const Material& material);
-/// Checks that the pixels, if there are any, are as many as the size says.
+/// Checks the choices; sanitize() mends the rest.
+void check(const Cage& cage);
+/// Checks the role, and that the pixels, if there are any, are as many as the size says.
 void check(const Texture& texture);
 void check(const Light& light);
 void check(const CameraLens& lens);

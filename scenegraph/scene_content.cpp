@@ -50,6 +50,7 @@ CageSlot CageSlot::made() const
     slot.cage = make();
     slot.cage.name = cage.name;
     slot.cage.materials = cage.materials;  // first, since they decide which slots exist
+    check(slot.cage);
     sanitize(slot.cage);
     if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty() || slot.cage.displacement)
         throw error_without_file("a cage made on demand has neither skin nor morph targets nor displacement", cage.name);
@@ -97,6 +98,7 @@ void Scene::State::check_handles(const Cage& cage) const
 
 void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::string>& warnings)
 {
+    check(cage);
     const std::string name = cage.name.empty() ? "cage" : cage.name;
     for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
     record.cage = std::move(cage);

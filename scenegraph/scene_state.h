@@ -234,7 +234,8 @@ struct Scene::State {
     void require_editable() const
     {
         if (frames.load(std::memory_order_acquire) > 0)
-            throw error_without_file("the scene is being rendered: edits have to wait");
+            throw error_without_file(
+                "edits of a scene have to wait for the end of the frame that renders it, or Query::end()");
     }
     /// Also throws while a shutter is recorded.
     void require_unrecorded() const

@@ -7,7 +7,11 @@
 namespace occam {
 namespace {
 
-std::string name_of(const Texture& texture) { return texture.name.empty() ? texture.path.string() : texture.name; }
+std::string name_of(const Texture& texture)
+{
+    if (!texture.name.empty()) return texture.name;
+    return texture.path.empty() ? "a texture without a name" : texture.path.string();
+}
 
 }  // namespace
 
