@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 
 #include "base/check.h"
 #include "base/power_of_two.h"
@@ -147,33 +148,31 @@ LimitStencil PatchClass::limit(double u, double v, LimitSource::Of of) const
 
 const PointStencil& PatchClass::corner(int corner) const
 {
-    const auto at = static_cast<std::size_t>(corner);
-    std::call_once(corner_once_[at], [&] {
+    return corners_[static_cast<std::size_t>(corner)].get_or_make([&] {
         const LimitStencil stencil = limit(corner & 1, corner >> 1);
-        PointStencil made;  // if memory fails, the next caller begins anew
+        auto made = std::make_unique<PointStencil>();
         for (std::uint32_t k = 0; k < stencil.p.size(); ++k) {
             if (std::fabs(stencil.p[k]) < kNoise) continue;
-            made.controls.push_back(k);
-            made.weights.push_back(static_cast<float>(stencil.p[k]));
+            made->controls.push_back(k);
+            made->weights.push_back(static_cast<float>(stencil.p[k]));
         }
-        corners_[at] = std::move(made);
+        count(sizeof(PointStencil) + made->controls.size() * (sizeof(std::uint32_t) + sizeof(float)));
+        return made;
     });
-    return corners_[at];
 }
 
 const PatchHull& PatchClass::make_hull() const
 {
-    std::call_once(hull_once_, [&] {
+    return hull_.get_or_make([&] {
         // The hull uses the tree of the points. If there are creases, it uses a tree of strips of its own instead.
         Node strips;
         strips.may_halve_one_way = true;
         const bool takes_strips = crease_depth_ > 0 && !root_.may_halve_one_way;
-        hull_ = std::make_unique<const PatchHull>(*this, takes_strips ? strips : root_);
-        count(hull_->bytes());
+        auto made = std::make_unique<const PatchHull>(*this, takes_strips ? strips : root_);
+        count(made->bytes());
         discount(tree_bytes(strips));
-        hull_made_.store(hull_.get(), std::memory_order_release);
+        return made;
     });
-    return *hull_;
 }
 
 const PatchClass::Node& PatchClass::locate(float u, float v) const

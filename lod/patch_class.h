@@ -30,6 +30,7 @@
 #include <mutex>
 #include <vector>
 
+#include "base/made_once.h"
 #include "lod/bicubic.h"
 
 namespace occam::lod {
@@ -142,7 +143,7 @@ public:
     /// Returns what bounds the whole patch; it is made when it is first needed.
     const PatchHull& hull() const
     {
-        const PatchHull* made = hull_made_.load(std::memory_order_acquire);
+        const PatchHull* made = hull_.get();
         return made ? *made : make_hull();
     }
 
@@ -166,11 +167,8 @@ private:
     mutable std::atomic<std::size_t> counted_ = 0;  ///< bytes that the account was told
     mutable Node root_;
     mutable std::mutex mutex_;
-    mutable std::once_flag hull_once_;
-    mutable std::unique_ptr<const PatchHull> hull_;
-    mutable std::atomic<const PatchHull*> hull_made_ = nullptr;
-    mutable std::array<std::once_flag, 4> corner_once_;
-    mutable std::array<PointStencil, 4> corners_;
+    mutable MadeOnce<PatchHull> hull_;
+    mutable std::array<MadeOnce<PointStencil>, 4> corners_;
 };
 
 }  // namespace occam::lod
