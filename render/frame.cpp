@@ -32,15 +32,14 @@ void refuse_if_too_large(const FrameInputs& in)
                           "a picture of this size that is made in rounds", "the sums of its pixels");
 }
 
-// Returns the sums of a frame that is made in rounds, or null for a frame that is made tile by tile. A frame with a deadline
-// or a checkpoint is always made in rounds. Any other one is if the settings ask for it and its sums fit in the memory
-// budget.
+// Returns the sums of a frame that is made in rounds, or null for a frame that is made tile by tile. A frame is made in
+// rounds if the settings ask for it, or if it has a deadline or a checkpoint. Its sums are taken beyond the memory budget,
+// as its layers are: whoever asks for them would lose the frame without them.
 std::unique_ptr<FrameSums> sums_of(const FrameInputs& in)
 {
-    const bool has_to = in.deadline != Clock::time_point::max() || !in.checkpoint.empty();
-    const bool is_wanted = in.settings.progressive && FrameSums::bytes_for(in.settings) <= in.resources.memory_bytes;
-    if (!has_to && !is_wanted) return nullptr;
-    if (has_to) refuse_if_too_large(in);
+    const bool has_deadline = in.deadline != Clock::time_point::max();
+    if (!in.settings.progressive && !has_deadline && in.checkpoint.empty()) return nullptr;
+    refuse_if_too_large(in);
     return std::make_unique<FrameSums>(in.settings, in.camera);
 }
 

@@ -103,8 +103,9 @@ struct Settings {
     /// that show costs.
     double deadline_s = 0;
     /// The frame is made in rounds of 1, 1, 2, 4, 8, ... samples a pixel, so that a frame that stops early is a picture of
-    /// few samples, and can go on later. Costs 64 to 200 bytes a pixel, and up to 1 KB more for each Cryptomatte layer. A
-    /// deadline implies it.
+    /// few samples, and can go on later. Costs 64 to 200 bytes a pixel, and up to 1 KB more for each Cryptomatte layer,
+    /// beyond Resources::memory_bytes; a frame for which the machine has too little memory is refused. A deadline implies
+    /// it.
     bool progressive = false;
     AovSet aovs{};
     View view = View::Beauty;

@@ -106,20 +106,39 @@ TEST(Progressive, WhatIsStoppedHasNearlyAsManySamplesEverywhere)
     EXPECT_GE(job.stats().image.least_samples, 4) << "the round of five samples a pixel begins with four everywhere";
 }
 
+// The picture was made tile by tile, so that nothing could go on from it.
+TEST(Progressive, SumsThatExceedTheMemoryBudgetAreTakenAllTheSame)
+{
+    ProgressiveScene subject;
+    subject.settings.width = 100;
+    subject.settings.height = 60;
+    subject.settings.spp = 4096;
+    subject.settings.progressive = true;
+    const std::size_t budget = Renderer({.threads = 1}).memory_floor(subject.scene);
+    ASSERT_GT(render::FrameSums::bytes_for(subject.settings), budget);
+    Renderer renderer({.threads = 1, .memory_bytes = budget});
+    Job job = renderer.start(subject.scene, subject.camera, subject.settings);
+    while (!(job.progress().fraction > 0)) job.wait_for(1ms);
+    job.cancel();
+    EXPECT_FALSE(job.stats().complete);
+    EXPECT_FALSE(job.checkpoint().empty());
+}
+
 TEST(Progressive, SumsThatExceedTheMachinesMemoryAreRefused)
 {
-    const Settings largest{.width = 1 << 14, .height = 1 << 14, .spp = 1, .deadline_s = 1};
-    if (render::FrameSums::bytes_for(largest) * 2 <= machine_memory_bytes() / 4 * 3)
+    const Settings with_deadline{.width = 1 << 14, .height = 1 << 14, .spp = 1, .deadline_s = 1};
+    const Settings in_rounds{.width = 1 << 14, .height = 1 << 14, .spp = 1, .progressive = true};
+    if (render::FrameSums::bytes_for(in_rounds) * 2 <= machine_memory_bytes() / 4 * 3)
         GTEST_SKIP() << "this machine has room for the sums of the largest picture";
     Scene scene;
-    try {
-        Renderer renderer({.threads = 1});
-        renderer.start(scene, Camera(), largest).image();
-        ADD_FAILURE() << "it was made";
-    } catch (const Error& error) {
-        EXPECT_EQ(error.kind(), Error::Kind::Output);
-        EXPECT_NE(std::string(error.what()).find("for the sums of its pixels"), std::string::npos) << error.what();
-    }
+    for (const Settings& largest : {with_deadline, in_rounds}) try {
+            Renderer renderer({.threads = 1});
+            renderer.start(scene, Camera(), largest).image();
+            ADD_FAILURE() << "it was made";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), Error::Kind::Output);
+            EXPECT_NE(std::string(error.what()).find("for the sums of its pixels"), std::string::npos) << error.what();
+        }
 }
 
 TEST(Progressive, LayersThatExceedTheMachinesMemoryAreRefused)
