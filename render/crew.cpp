@@ -1,23 +1,13 @@
 #include "render/crew.h"
 
-#include <tbb/global_control.h>
-#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <optional>
 
 #include "base/cancellation.h"
 #include "render/lent_arena.h"
 
 namespace occam::render {
-namespace {
-
-// TBB counts the processors when their number is first needed. If an allocation fails in that, every later call waits for
-// ever for the count to end. So they are counted while this library is loaded.
-const int kProcessors = tbb::info::default_concurrency();
-
-}  // namespace
 
 FrameTracers::FrameTracers(const accel::Frame& frame, const FrameInputs& in)
     : frame_(frame), in_(in), tracers_(static_cast<std::size_t>(in.resources.threads)), cpu_seconds_(tracers_.size())
@@ -99,10 +89,6 @@ void Crew::make(const std::vector<PixelRect>& all, int target, Film& film, Frame
             throw;
         }
     };
-    // An arena alone cannot have more threads than there are processors.
-    std::optional<tbb::global_control> allow;
-    if (threads > kProcessors)
-        allow.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     const LentArena arena(threads);
     arena.execute([&] { tbb::parallel_for(0, threads, work, tbb::simple_partitioner()); });
 }

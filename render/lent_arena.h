@@ -4,6 +4,9 @@
 // is destroyed, and frames that follow each other have the same one. For each number of threads there are as many as frames
 // were ever made at once.
 //
+// An arena alone cannot have more threads than there are processors. Of several controls that allow more, TBB obeys the one
+// that allows the fewest, and complains of arenas that ask for more. So the process has one control, which only grows.
+//
 // Threads  Any thread may borrow an arena; one frame at a time has it.
 #pragma once
 
@@ -34,8 +37,8 @@ private:
         int threads;
         tbb::task_arena arena;
     };
-    struct Idle;
-    static Idle& idle();
+    struct All;
+    static All& all_arenas();
 
     std::unique_ptr<Arena> arena_;
 };
