@@ -1,6 +1,6 @@
 // Tells a frame that goes on from one that would not end: one whose memory budget is used up again and again by what a few
 // rays meet, so that nearly everything is built anew for each of them. A displacement that is much steeper than its surface
-// is wide does this, for example.
+// is wide does this, for example. A query counts nothing: each ray ends, and the application decides how many it asks about.
 //
 // Threads  add_rays(): any. Everything else: while no ray is traced.
 #pragma once

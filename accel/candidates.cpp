@@ -108,7 +108,7 @@ void Candidates::add_parts(ItemIndex item)
         throw error_without_file(
             "more than " + std::to_string(kMostPassing) +
                 " parts of surfaces pass through one place while the shutter is open, which the kd-tree "
-                "cannot tell apart; the tree of boxes can (--accel bvh)",
+                "cannot tell apart; the tree of boxes (bvh) can",
             items_.name_of(item));
     if (size() + count > kMost)
         throw error_without_file("more than " + std::to_string(kMost) +

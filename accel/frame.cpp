@@ -50,6 +50,7 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     state_->textures = options.textures;
     state_->shading = options.shading;
     state_->scale = options.scale;
+    state_->refuses_endless = options.refuses_endless;
     if (options.textures) state_->levels.displaced = farthest_displaced(scene, options.scale);
     const Node& root = scene.node(scene.root());
     const double stretch = options.scale.to_frame() * largest_stretch_to_parent(root);

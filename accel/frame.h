@@ -19,6 +19,9 @@ struct FrameOptions {
     lod::VertexShading shading{};            ///< phase one at the vertices of grids, for SurfaceHit::phase_one; borrowed
     FrameScale scale{};                      ///< the unit of the frame; its levels are in it
     TreeKind tree = TreeKind::Auto;          ///< holds the items; it has no influence on what a ray hits
+    /// Whether a frame that would not end is refused (accel/build_effort.h). Where an application asks about few rays at a
+    /// time, it can stop between them, and each of them ends.
+    bool refuses_endless = true;
 };
 
 /// It is only read while tracers live. It borrows the scene and the topologies. Rays, hits and levels of its tracers are in

@@ -19,6 +19,7 @@ struct FrameState {
     const TextureStore* textures = nullptr;  ///< textures of displacements
     lod::VertexShading shading;
     TreeKind tree = TreeKind::Kd;  ///< never Auto
+    bool refuses_endless = true;
     Vec3d anchor{0};  ///< origin of the tree's frame: the point of the scene's bounds that is nearest to the eye
     Box3f bounds;     ///< bounds of the scene, in the tree's frame
     /// A box that holds all surfaces with several levels, in the tree's frame. A ray's pairs of levels are those that it

@@ -33,7 +33,7 @@ void LazyTree::flush()
     counters.peak_bytes = std::max(counters.peak_bytes, arena.bytes());
     ++counters.flushes;
     effort.add_flush(arena.bytes());
-    refuse_if_hopeless();
+    if (frame.refuses_endless) refuse_if_hopeless();
     restart();
 }
 
@@ -43,8 +43,8 @@ void LazyTree::refuse_if_hopeless() const
     throw error_without_file(
         std::to_string(effort.rays()) + " rays met " + std::to_string(effort.bytes() >> 30) +
             " GB of surfaces, again and again more than the memory budget holds, so this would not end; "
-            "larger micropolygons (--shading-rate), a smaller displacement" +
-            (frame.holds_swept() ? ", the tree of boxes (--accel bvh)" : "") + " or more memory (--memory) help",
+            "larger micropolygons (the shading rate), a smaller displacement" +
+            (frame.holds_swept() ? ", the tree of boxes (bvh)" : "") + " or a larger memory budget help",
         items.name_of_largest());
 }
 

@@ -145,7 +145,8 @@ struct Tracer::State {
             if (run(first, 1, most)) return lazy.effort.add_rays(1);
             throw error_without_file(
                 "one ray meets more surfaces than fit into " + std::to_string(most >> 20) + " MB" +
-                (frame.holds_swept() ? "; in the kd-tree it meets what passes at any time (--accel bvh helps)" : ""));
+                (frame.holds_swept() ? "; in the kd-tree it meets what passes at any time (the tree of boxes, bvh, helps)"
+                                     : ""));
         }
         for (std::size_t i = 0; i < count; ++i) within_budget(first + i, 1, run);
     }

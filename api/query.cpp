@@ -35,7 +35,8 @@ struct Asked {
           frame(scene, tables.cache(), render::CameraRays(scale.placed(camera), height, height).levels(1),
                 {.textures = &textures,
                  .shading = {nullptr, 1, scene.contents().has(Contents::Masked) ? &masks : nullptr},
-                 .scale = scale})
+                 .scale = scale,
+                 .refuses_endless = false})
     {
     }
     FrameScale scale;

@@ -208,7 +208,7 @@ struct FirstHit {
 /// and everything that no vertex position can change is kept in between.
 ///
 /// Memory   at most `memory_bytes` for each thread that asks at the same time, or what a single ray needs if that is more
-///          (some megabytes).
+///          (some megabytes). With a small budget questions take longer, and have the same answers.
 /// Threads  any number of threads may call the const functions at once; begin() and end() need to be called alone.
 /// Errors   in a scene with displacements or masks, begin() and questions throw Error if a texture cannot be read.
 class Query {
