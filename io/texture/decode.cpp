@@ -88,7 +88,7 @@ struct TextureSource::State {
     ChannelPlaces places;
     bool is_tiled_file = false, has_other_role = false;
 
-    void open(const Texture& texture);
+    void open(const Texture& texture, DecodeBudget* budget);
     void place(const PictureSpec& spec, std::uintmax_t file_bytes);
     int data_width() const { return input ? input->spec().width : width; }
     int data_height() const { return input ? input->spec().height : height; }
@@ -103,11 +103,11 @@ struct TextureSource::State {
     }
 };
 
-void TextureSource::State::open(const Texture& texture)
+void TextureSource::State::open(const Texture& texture, DecodeBudget* budget)
 {
     std::error_code error;
     if (!texture.encoded && !std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
-    image = open_image(texture.path, texture.encoded.get(), name, kLimits);
+    image = open_image(texture.path, texture.encoded.get(), name, kLimits, budget);
     input = image.reader.get();
     places = places_of(*input);
     width = input->spec().width, height = input->spec().height;
@@ -169,7 +169,7 @@ void TextureSource::State::read_rows(int y_begin, int y_end, std::vector<Vec4f>&
     }
 }
 
-TextureSource::TextureSource(const Texture& texture) : state_(std::make_unique<State>())
+TextureSource::TextureSource(const Texture& texture, DecodeBudget* budget) : state_(std::make_unique<State>())
 {
     state_->name = texture.name.empty() ? texture.path.string() : texture.name;
     state_->role = texture.role;
@@ -178,7 +178,7 @@ TextureSource::TextureSource(const Texture& texture) : state_(std::make_unique<S
         state_->width = texture.width, state_->height = texture.height;
         state_->check_size();
     } else {
-        state_->open(texture);
+        state_->open(texture, budget);
     }
 }
 TextureSource::~TextureSource() = default;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "io/texture/decode_budget.h"
 #include "io/texture/mip_image.h"
 #include "scenegraph/texture.h"
 
@@ -16,8 +17,9 @@ inline constexpr std::size_t kMaxTextureTexels = std::size_t(1) << 27;
 /// Holds one opened image: its size is known, its texels are not read yet.
 class TextureSource {
 public:
-    /// Borrows the texture. Throws Error if the file cannot be read or is too large.
-    explicit TextureSource(const Texture& texture);
+    /// Borrows the texture. Throws Error if the file cannot be read, is too large, or has scans for which the budget, if
+    /// one is given, has nothing left.
+    explicit TextureSource(const Texture& texture, DecodeBudget* budget = nullptr);
     ~TextureSource();
     TextureSource(TextureSource&&) noexcept;
 

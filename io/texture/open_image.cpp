@@ -22,19 +22,21 @@ namespace {
 constexpr std::uintmax_t kMaxTexelsPerByte = 16384;
 constexpr std::uintmax_t kAlwaysAllowedTexels = std::uintmax_t(1) << 24;
 
-// Each scan of a JPEG visits all texels, at some billions a second, and some work remains for the smallest picture.
+// Each scan of a JPEG visits all texels, at half a billion a second or more, and some work remains for the smallest picture.
 constexpr std::uintmax_t kMostScannedTexels = std::uintmax_t(1) << 32, kLeastScannedTexels = std::uintmax_t(1) << 16;
+constexpr std::uintmax_t kLeastChargedTexels = std::uintmax_t(1) << 12;
 
 constexpr std::uintmax_t kMostTileValues = std::uintmax_t(1) << 26;
 
 class Opener {
 public:
     Opener(const std::filesystem::path& file, const std::vector<std::byte>* encoded, const std::string& name,
-           const ImageLimits& limits)
+           const ImageLimits& limits, DecodeBudget* budget)
         : path_(file),
           encoded_(encoded),
           name_(name),
           limits_(limits),
+          budget_(budget),
           bytes_(encoded ? ImageBytes(std::span(*encoded)) : ImageBytes(file)),
           format_(image_format(bytes_))
     {
@@ -108,6 +110,8 @@ private:
         const std::uintmax_t texels = std::uintmax_t(head->width) * head->height;
         if (head->scans > kMostScannedTexels / std::max(texels, kLeastScannedTexels))
             refuse("image has more scans than are read at its size: " + std::to_string(head->scans));
+        if (budget_ && !budget_->takes_scans(head->scans * std::max(texels, kLeastChargedTexels), file.size()))
+            refuse("image has more scans than are read for all images of a scene together: " + std::to_string(head->scans));
     }
 
     void check_values(int width, int height, int channels) const
@@ -154,6 +158,7 @@ private:
     const std::vector<std::byte>* encoded_;
     const std::string& name_;
     const ImageLimits& limits_;
+    DecodeBudget* const budget_;
     ImageBytes bytes_;
     std::string format_;
 };
@@ -166,9 +171,9 @@ bool declares_too_much(std::uintmax_t texels, std::uintmax_t file_bytes) noexcep
 }
 
 OpenImage open_image(const std::filesystem::path& file, const std::vector<std::byte>* encoded, const std::string& name,
-                     const ImageLimits& limits)
+                     const ImageLimits& limits, DecodeBudget* budget)
 {
-    return Opener(file, encoded, name, limits).open();
+    return Opener(file, encoded, name, limits, budget).open();
 }
 
 }  // namespace occam

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "io/picture_codec.h"
+#include "io/texture/decode_budget.h"
 #include "io/texture/orientation.h"
 
 namespace occam {
@@ -35,8 +36,10 @@ bool declares_too_much(std::uintmax_t texels, std::uintmax_t file_bytes) noexcep
 /// Opens an image file; if `encoded` is given, the image is in memory. The image is flat, not deep, and within the limits.
 /// The codec's readers allocate up to a tile of 2^26 values, or a row of tiles.
 /// name     of the image, for errors
-/// Throws   Error if its format is not read, it is damaged, or it breaks the limits.
+/// budget   if given, that of all images of a scene: the library works through all scans of a JPEG when it opens one, so
+///          they are charged before that
+/// Throws   Error if its format is not read, it is damaged, or it breaks the limits or the budget.
 OpenImage open_image(const std::filesystem::path& file, const std::vector<std::byte>* encoded, const std::string& name,
-                     const ImageLimits& limits);
+                     const ImageLimits& limits, DecodeBudget* budget = nullptr);
 
 }  // namespace occam

@@ -15,7 +15,7 @@ std::string name_of(const Texture& texture)
 
 }  // namespace
 
-TextureEntry::TextureEntry(const Texture& texture, std::atomic<bool>& has_failed)
+TextureEntry::TextureEntry(const Texture& texture, std::atomic<bool>& has_failed, DecodeBudget& budget)
     : description_(texture), has_failed_(has_failed)
 {
     std::error_code ignored;
@@ -24,7 +24,7 @@ TextureEntry::TextureEntry(const Texture& texture, std::atomic<bool>& has_failed
         return;
     }
     try {
-        const TextureSource source(texture);
+        const TextureSource source(texture, &budget);
         width_ = source.width();
         height_ = source.height();
         is_tiled_file_ = source.is_tiled_file();

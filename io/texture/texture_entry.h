@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "io/texture/decode_budget.h"
 #include "io/texture/mip_image.h"
 #include "io/texture/tiled_file.h"
 #include "scenegraph/texture.h"
@@ -34,7 +35,8 @@ public:
     /// Opens the image to learn its size. Throws std::bad_alloc alone: a missing texture has a warning and no size, and one
     /// that cannot be opened has an error and no size.
     /// has_failed   is set if the image cannot be read, now or later; it must outlive the entry
-    TextureEntry(const Texture& texture, std::atomic<bool>& has_failed);
+    /// budget       of all images of the scene
+    TextureEntry(const Texture& texture, std::atomic<bool>& has_failed, DecodeBudget& budget);
 
     /// Returns the bytes of the image with all its levels, if it is halved that often; 0 if it cannot be opened.
     std::size_t bytes_of(int halvings) const;

@@ -14,6 +14,7 @@
 #include "base/hash.h"
 #include "base/maths.h"
 #include "base/processors.h"
+#include "io/texture/decode_budget.h"
 #include "io/texture/texture_entry.h"
 #include "io/texture/tile_cache.h"
 #include "scenegraph/scene.h"
@@ -157,17 +158,16 @@ bool has_one_texel_in(const Image& image)
 // Refuses images that would take minutes to decode though their files are small: each of them may be within its limits.
 void check_decoding(const std::vector<TextureEntry*>& entries)
 {
-    constexpr std::uintmax_t kAlwaysAllowed = std::uintmax_t(1) << 32, kMostPerByte = 256;
     std::uintmax_t decoded = 0, bytes = 0;
     for (const TextureEntry* entry : entries) {
         decoded += entry->bytes_to_decode();
         bytes += entry->file_bytes();
     }
-    if (decoded <= kAlwaysAllowed || decoded / kMostPerByte <= bytes) return;
+    if (DecodeBudget::allows_bytes(decoded, bytes)) return;
     throw error_without_file("the images hold " + std::to_string(decoded >> 20) +
                              " MB of texels, though their files have only " + std::to_string((bytes >> 10) + 1) +
-                             " KB: beyond " + std::to_string(kAlwaysAllowed >> 20) + " MB, at most " +
-                             std::to_string(kMostPerByte) + " bytes for each byte are decoded");
+                             " KB: beyond " + std::to_string(DecodeBudget::kAlwaysAllowedBytes >> 20) + " MB, at most " +
+                             std::to_string(DecodeBudget::kMostBytesPerByte) + " bytes for each byte are decoded");
 }
 
 }  // namespace
@@ -205,11 +205,12 @@ void TextureStore::prepare(const Scene& scene)
     std::vector<bool> is_fresh, are_weighted;
     std::vector<TextureEntry*> fresh;
     bool is_weighting_known = true;
+    DecodeBudget budget;
     for (const TextureId id : ids) {
         const Texture& texture = scene.texture(id);
         const auto known = state_->entries.find(texture.identity);
         is_fresh.push_back(known == state_->entries.end() || known->second->lacks_memory());
-        all.push_back(is_fresh.back() ? std::make_shared<TextureEntry>(texture, state_->has_failed) : known->second);
+        all.push_back(is_fresh.back() ? std::make_shared<TextureEntry>(texture, state_->has_failed, budget) : known->second);
         if (is_fresh.back()) fresh.push_back(all.back().get());
         are_weighted.push_back(all.back()->has_alpha() && scene.is_cut_out_by(id));
         is_weighting_known &= all.back()->keeping().is_weighted == are_weighted.back();
@@ -224,7 +225,7 @@ void TextureStore::prepare(const Scene& scene)
         const Texture& texture = scene.texture(ids[i]);
         std::shared_ptr<TextureEntry>& entry = all[i];
         if (entry->keeping() != plan.keepings[i]) {
-            if (!is_fresh[i]) entry = std::make_shared<TextureEntry>(texture, state_->has_failed);
+            if (!is_fresh[i]) entry = std::make_shared<TextureEntry>(texture, state_->has_failed, budget);
             entry->keep(plan.keepings[i]);
         }
         entries[texture.identity] = entry;

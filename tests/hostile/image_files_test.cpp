@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "io/exr_file.h"
+#include "io/texture/decode_budget.h"
 #include "io/texture/jpeg_head.h"
 #include "io/texture/texture_store.h"
 #include "scenegraph/scene.h"
@@ -302,6 +303,39 @@ std::string tiff_of_doubles(std::uint32_t width, std::uint32_t height)
     for (const auto& [tag, type, count, value] : entries)
         file += little_endian(tag, 2) + little_endian(type, 2) + little_endian(count, 4) + little_endian(value, 4);
     return file + little_endian(0, 4);
+}
+
+// Each of these files is within the limits of one image; together they would take minutes.
+TEST(ImagesOfAScene, AreRefusedIfTheyHaveMoreScansThanAreReadForAllOfThem)
+{
+    const TempFolder folder;
+    const std::string file = jpeg(1024, 1024, 1000), ordinary = jpeg(64, 48, 10);
+    Scene scene;
+    const auto add = [&](const std::string& name, const std::string& content) {
+        Texture texture;
+        texture.path = folder.write(name, content);
+        scene.add(std::move(texture));
+    };
+    for (int i = 0; i < 6; ++i) add(std::to_string(i) + ".jpg", file);  // 2^32 texels are those of four such files
+    add("last.jpg", ordinary);
+    TextureStore store(std::size_t(16) << 20);
+    store.prepare(scene);
+    const std::vector<std::string> errors = store.errors();
+    ASSERT_EQ(errors.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_NE(errors[i].find(std::to_string(i + 4) + ".jpg"), std::string::npos) << errors[i];
+        EXPECT_NE(errors[i].find("more scans than are read for all images of a scene together: 1000"), std::string::npos);
+    }
+}
+
+TEST(ImagesOfAScene, MayHaveAsManyScansAsLargeFilesHave)
+{
+    DecodeBudget budget;
+    constexpr std::uintmax_t kMegabyte = 1 << 20;
+    // Ten scans of 16 million texels in two MB, a thousand times.
+    for (int i = 0; i < 1000; ++i) EXPECT_TRUE(budget.takes_scans(160 * kMegabyte, 2 * kMegabyte));
+    EXPECT_FALSE(budget.takes_scans(4'000'000 * kMegabyte, kMegabyte));
+    EXPECT_TRUE(budget.takes_scans(160 * kMegabyte, 2 * kMegabyte));
 }
 
 // Each of these files is within the limits of one image; together they would take minutes.

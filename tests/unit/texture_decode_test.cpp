@@ -93,7 +93,8 @@ TEST(TextureDecode, EveryMessageNamesTheFile)
     expect_names(Loaded(path).store.warnings(), 2);
 
     std::atomic<bool> has_failed = false;
-    TextureEntry entry(texture_of(path), has_failed);
+    DecodeBudget budget;
+    TextureEntry entry(texture_of(path), has_failed, budget);
     write(folder, floats(1, 2, {"R", "G", "B"}), std::vector<float>(6));
     entry.image(MipImage(1, 1));
     expect_names(entry.errors(), 1);
