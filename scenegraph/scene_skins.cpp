@@ -6,7 +6,10 @@
 // the next refit finds them again. Nodes that a skin no longer depends on still know it, which costs their edits some marks.
 // Joints that were removed do not count: their vertices stay where they are in the axes of the base. A skin without any
 // joint deforms nothing, and the places of the nodes that wear it count.
+#include <algorithm>
+#include <unordered_map>
 #include <unordered_set>
+#include <vector>
 
 #include "base/error_without_file.h"
 #include "base/matrix.h"
@@ -46,31 +49,62 @@ Mat4d Scene::State::path(NodeId above, NodeId node, std::optional<std::size_t> k
     return m;
 }
 
+NodeId Scene::State::parent_of(NodeId id) const noexcept
+{
+    const NodeRecord* node = nodes.find(id);
+    return node ? node->parent : NodeId();
+}
+
+NodeId Scene::State::base_of(const std::vector<NodeId>& joints) const
+{
+    const auto first = std::find_if(joints.begin(), joints.end(), [&](NodeId joint) { return nodes.find(joint); });
+    if (first == joints.end()) return {};
+    // The base is on the path from the first joint to the root, as high as a path from another joint meets it. Nodes that
+    // one of these has passed lead to a place that is known, so each is visited once.
+    std::vector<NodeId> path;
+    std::unordered_map<NodeId, std::size_t> place_on_path;
+    for (NodeId at = parent_of(*first); at; at = parent_of(at)) {
+        place_on_path.emplace(at, path.size());
+        path.push_back(at);
+    }
+    std::size_t highest = 0;
+    std::unordered_set<NodeId> passed;
+    for (const NodeId joint : joints) {
+        if (!nodes.find(joint)) continue;
+        if (!parent_of(joint)) return {};
+        for (NodeId at = parent_of(joint); at && passed.insert(at).second; at = parent_of(at))
+            if (const auto found = place_on_path.find(at); found != place_on_path.end()) {
+                highest = std::max(highest, found->second);
+                break;
+            }
+    }
+    return highest < path.size() ? path[highest] : NodeId();
+}
+
+void Scene::State::find_parent_joints(SkinRecord& skin) const
+{
+    const std::vector<NodeId>& joints = skin.skin.joints;
+    std::unordered_map<NodeId, int> nearest;  // the nearest joint at or above a node
+    for (std::size_t j = 0; j < joints.size(); ++j) nearest.emplace(joints[j], static_cast<int>(j));
+    skin.parent_joint.assign(joints.size(), -1);
+    std::vector<NodeId> passed;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+        for (NodeId at = parent_of(joints[j]); at && at != skin.base; at = parent_of(at)) {
+            if (const auto known = nearest.find(at); known != nearest.end()) {
+                skin.parent_joint[j] = known->second;
+                break;
+            }
+            passed.push_back(at);
+        }
+        for (; !passed.empty(); passed.pop_back()) nearest.emplace(passed.back(), skin.parent_joint[j]);
+    }
+}
+
 void Scene::State::link_skin(SkinId id)
 {
     SkinRecord& skin = *skins.find(id);
-    const std::vector<NodeId>& joints = skin.skin.joints;
-    const auto parent_of = [&](NodeId below) {
-        const NodeRecord* node = nodes.find(below);
-        return node ? node->parent : NodeId();
-    };
-    const auto is_alive = [&](NodeId joint) { return nodes.find(joint) != nullptr; };
-    const auto first = std::find_if(joints.begin(), joints.end(), is_alive);
-    skin.base = first == joints.end() ? NodeId() : parent_of(*first);
-    for (const NodeId joint : joints)
-        if (is_alive(joint)) {
-            const NodeId parent = parent_of(joint);
-            skin.base = parent && skin.base ? lowest_common(skin.base, parent) : NodeId();
-        }
-    std::unordered_map<NodeId, int> index_of;
-    for (std::size_t j = 0; j < joints.size(); ++j) index_of.emplace(joints[j], static_cast<int>(j));
-    skin.parent_joint.assign(joints.size(), -1);
-    for (std::size_t j = 0; j < joints.size(); ++j)
-        for (NodeId at = parent_of(joints[j]); at && at != skin.base; at = parent_of(at))
-            if (const auto found = index_of.find(at); found != index_of.end()) {
-                skin.parent_joint[j] = found->second;
-                break;
-            }
+    skin.base = base_of(skin.skin.joints);
+    find_parent_joints(skin);
     for (const NodeId at : nodes_of_skin(skin)) {
         NodeRecord& node = *nodes.find(at);
         if (!node.dependents) node.dependents = std::make_unique<Dependents>();

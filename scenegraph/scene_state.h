@@ -352,6 +352,12 @@ struct Scene::State {
     void place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node);
     /// Adds a skin, some of whose joints may have been removed.
     SkinId add_skin(Skin skin);
+    NodeId parent_of(NodeId id) const noexcept;  ///< none for the root and for a node that was removed
+    /// Returns the lowest node above all joints; none if one of them is the root, or if there are none. The cost is that of
+    /// the nodes above them, each once.
+    NodeId base_of(const std::vector<NodeId>& joints) const;
+    /// Finds the nearest joint above each joint, below the base, at the same cost.
+    void find_parent_joints(SkinRecord& skin) const;
     /// Finds the parents of a skin's joints and the base, and registers the skin with the nodes between them. Joints that
     /// were removed do not count.
     void link_skin(SkinId id);

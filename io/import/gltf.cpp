@@ -63,12 +63,14 @@ public:
         choose_variant();
         add_tree();
         warn_of_groups();
-        const std::vector<SkinId> skins = add_skins(model_, accessors_, nodes_, scene_, report_);
+        SkinPaths paths(scene_, report_);
+        const std::vector<SkinId> skins = add_skins(model_, accessors_, nodes_, scene_, paths, report_);
         for (std::size_t n = 0; n < nodes_.size(); ++n) {
             const int index = model_.nodes[n].skin;
             if (!nodes_[n] || index < 0 || static_cast<std::size_t>(index) >= skins.size()) continue;
             const SkinId skin = skins[static_cast<std::size_t>(index)];
             if (!skin) continue;  // it was left out
+            paths.charge_wearer(nodes_[n], scene_.skin(skin).joints[0], "nodes[" + std::to_string(n) + "]");
             scene_.set_skin(nodes_[n], skin);
             check_joints(n, skin);
         }

@@ -140,7 +140,7 @@ void make_affine(Mat4d& m, Report& report, const std::string& where)
 }  // namespace
 
 std::vector<SkinId> add_skins(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes,
-                              Scene& scene, Report& report)
+                              Scene& scene, SkinPaths& paths, Report& report)
 {
     std::vector<SkinId> ids(model.skins.size());
     for (std::size_t s = 0; s < model.skins.size(); ++s) {
@@ -154,6 +154,7 @@ std::vector<SkinId> add_skins(const tinygltf::Model& model, AccessorReader& acce
             report.warn("skin left out: a joint is not in the scene", where);
             continue;
         }
+        paths.charge_joints(skin.joints, where);
         if (in.inverseBindMatrices >= 0) {
             if (accessors.components(in.inverseBindMatrices) != 16)
                 throw Error(report.name(), "inverse bind matrices must be MAT4", where);

@@ -67,6 +67,36 @@ TEST(GltfSkins, TheLastRowOfAnInverseBindMatrixIsMended)
     EXPECT_TRUE(warns(with(0, 0), "an inverse bind matrix is replaced by the identity"));
 }
 
+// nodes[2] and those after it are a chain. At its end are the joints, or else what wears the skins.
+Gltf skins_below_a_chain(int length, int joints, int skins, int wearers)
+{
+    const auto list = [](int first, int count) {
+        std::string text = "[";
+        for (int i = 0; i < count; ++i) text += (i > 0 ? "," : "") + std::to_string(first + i);
+        return text + "]";
+    };
+    Gltf g = skinned_square();
+    const int end = length + 1, first = end + 1;
+    for (int i = 2; i < end; ++i) g.nodes += R"(,{"children":)" + list(i + 1, 1) + "}";
+    g.nodes += R"(,{"children":)" + list(first, joints + wearers) + "}";
+    for (int i = 0; i < joints; ++i) g.nodes += ",{}";
+    for (int i = 0; i < wearers; ++i) g.nodes += R"(,{"mesh":0,"skin":0})";
+    g.more = R"(, "skins": [{"joints": [1]})";
+    const std::string far_joints = list(first, joints);
+    for (int i = 0; i < skins; ++i) g.more += R"(,{"joints":[1,)" + far_joints.substr(1) + "}";
+    g.more += "]";
+    return g;
+}
+
+TEST(GltfSkins, BelowTooManyNodesAreRefused)
+{
+    const TempFolder folder;
+    EXPECT_EQ(error_of(skins_below_a_chain(1000, 100, 20, 500).write(folder)), "");
+    const std::string why = "there are too many nodes above the joints of skins and above what wears them (";
+    EXPECT_NE(error_of(skins_below_a_chain(4000, 100, 200, 0).write(folder)).find(why + "skins[168])"), std::string::npos);
+    EXPECT_NE(error_of(skins_below_a_chain(4000, 100, 167, 100).write(folder)).find(why + "nodes["), std::string::npos);
+}
+
 TEST(GltfSkins, InstancesThatCannotBeDeformedAreNamed)
 {
     const TempFolder folder;
