@@ -53,18 +53,4 @@ std::string read_text(const fs::path& file, std::size_t max_bytes)
     return text;
 }
 
-std::optional<fs::path> inside(const fs::path& folder, std::string_view relative)
-{
-    const fs::path path(relative);
-    if (relative.empty() || relative.find('\0') != std::string_view::npos || path.is_absolute()) return std::nullopt;
-    std::error_code error;
-    const fs::path root = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, error);
-    if (error) return std::nullopt;
-    const fs::path target = fs::weakly_canonical(root / path, error);
-    if (error) return std::nullopt;
-    const fs::path rest = target.lexically_relative(root);
-    if (rest.empty() || *rest.begin() == ".." || rest == ".") return std::nullopt;
-    return target;
-}
-
 }  // namespace occam::import

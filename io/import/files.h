@@ -1,11 +1,10 @@
-// File access of the importers: they read only whole regular files, and only in the scene's folder.
+// File access of the importers: they read only whole regular files.
 #pragma once
 
 #include <cstdio>
 #include <filesystem>
 #include <istream>
 #include <memory>
-#include <optional>
 #include <span>
 #include <streambuf>
 #include <string>
@@ -40,10 +39,6 @@ std::string_view without_mark(std::string_view text) noexcept;
 
 /// Returns the whole of a text, without that mark. Throws the same errors as FileReader.
 std::string read_text(const std::filesystem::path& file, std::size_t max_bytes = kMaxFileBytes);
-
-/// Returns the path of `relative` (with generic separators) under `folder`, or none if it is absolute or leads out of the
-/// folder, be it by a symbolic link. The file need not exist.
-std::optional<std::filesystem::path> inside(const std::filesystem::path& folder, std::string_view relative);
 
 /// A std::istream over memory that is owned elsewhere.
 class TextStream : private std::streambuf, public std::istream {

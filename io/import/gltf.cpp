@@ -364,10 +364,9 @@ private:
         scene_.environment.radiance = Vec3f(extras->strength);
         scene_.environment.rotation = extras->rotation_deg * 0.01745329252f;
         if (extras->image.empty()) return;
-        const auto path = inside(report_.file().parent_path(), decode_uri(extras->image));
+        const auto& [path, is_file] = report_.folder().find(decode_uri(extras->image));
         if (!path) throw Error(report_.name(), "the environment is not in the scene's folder: " + extras->image, "scene");
-        if (!std::filesystem::is_regular_file(*path))
-            throw Error(report_.name(), "the environment is missing: " + extras->image, "scene");
+        if (!is_file) throw Error(report_.name(), "the environment is missing: " + extras->image, "scene");
         report_.add_file(*path);
         Texture texture;
         texture.name = report_.file().filename().string() + ": " + extras->image, texture.path = *path;

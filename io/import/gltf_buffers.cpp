@@ -3,7 +3,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "io/import/files.h"
+#include "io/import/folder.h"
 #include "io/import/gltf_door.h"
 #include "io/import/gltf_json.h"
 #include "io/import/gltf_uri.h"
@@ -16,18 +16,18 @@ using nlohmann::json;
 
 // Returns what two buffers have in common that are read from one place; none if it is in the document or outside of the
 // folder.
-std::optional<std::string> place_of(const std::string& uri, const std::filesystem::path& folder)
+std::optional<std::string> place_of(const std::string& uri, Folder& folder)
 {
     if (uri.starts_with("data:")) return std::nullopt;
     std::string name = decode_uri(uri);
     if (name == kBinaryChunk) return name;
-    const auto path = inside(folder, name);
+    const auto& path = folder.find(name).path;
     return path ? std::optional(path->string()) : std::nullopt;
 }
 
 }  // namespace
 
-bool join_buffers(json& root, const std::filesystem::path& folder)
+bool join_buffers(json& root, Folder& folder)
 {
     const json& buffers = list(root, "buffers");
     json joined = json::array();

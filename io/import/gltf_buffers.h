@@ -9,6 +9,6 @@ namespace occam::import {
 /// Makes one buffer of all those that have one file, so that it is read, kept and counted once, however many buffers name it
 /// and however they spell its name. The document has passed check_schema(), and each of its buffers has a URI; indices of
 /// buffers change. Returns false if there was nothing to join.
-bool join_buffers(nlohmann::json& root, const std::filesystem::path& folder);
+bool join_buffers(nlohmann::json& root, Folder& folder);
 
 }  // namespace occam::import

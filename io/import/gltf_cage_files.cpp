@@ -31,7 +31,7 @@ const std::string& CageFiles::canonical(const std::string& name, const std::stri
 {
     const auto [known, is_new] = paths_.try_emplace(name);
     if (is_new) {
-        const auto path = inside(report_.file().parent_path(), decode_uri(name));
+        const auto& path = report_.folder().find(decode_uri(name)).path;
         if (!path) throw Error(report_.name(), "the cage is not in the scene's folder: " + name, where);
         known->second = path->string();
     }

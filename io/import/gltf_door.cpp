@@ -155,7 +155,7 @@ CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
         buffer["uri"] = kBinaryChunk;
         is_changed = true;
     }
-    is_changed |= join_buffers(root, report.file().parent_path());
+    is_changed |= join_buffers(root, report.folder());
 
     CheckedGltf checked;
     if (is_changed) checked.json = root.dump();

@@ -13,8 +13,7 @@ namespace occam::import {
 namespace {
 
 // Holds what tinygltf may open: the buffers of this file. Images stay closed until the texture store needs them.
-struct Folder {
-    std::filesystem::path folder;
+struct Opened {
     const GltfContainer& container;
     Report& report;
     std::map<std::string, std::size_t> files;  // the bytes to read of each
@@ -25,7 +24,7 @@ std::string without_dot(const std::string& path) { return path.starts_with("./")
 
 bool file_exists(const std::string& path, void* user)
 {
-    return static_cast<const Folder*>(user)->files.count(without_dot(path)) > 0;
+    return static_cast<const Opened*>(user)->files.count(without_dot(path)) > 0;
 }
 
 std::string expand_path(const std::string& path, void*) { return path; }
@@ -42,24 +41,24 @@ std::vector<unsigned char> read_buffer(const std::filesystem::path& path, std::s
 
 bool read_whole_file(std::vector<unsigned char>* out, std::string* error, const std::string& path, void* user)
 {
-    Folder& folder = *static_cast<Folder*>(user);
+    Opened& opened = *static_cast<Opened*>(user);
     const std::string name = without_dot(path);
     try {
-        const std::size_t wanted = folder.files.at(name);
+        const std::size_t wanted = opened.files.at(name);
         if (name == kBinaryChunk) {
-            *out = folder.container.binary(wanted);
+            *out = opened.container.binary(wanted);
             return true;
         }
-        const auto file = inside(folder.folder, name);
+        const auto& file = opened.report.folder().find(name).path;
         if (!file) {
             *error = "not in the scene's folder";
             return false;
         }
-        folder.report.add_file(*file);
+        opened.report.add_file(*file);
         *out = read_buffer(*file, wanted);
         return true;
     } catch (const std::bad_alloc&) {
-        folder.lacks_memory = true;
+        opened.lacks_memory = true;
         return false;
     } catch (const std::exception& e) {
         *error = e.what();
@@ -90,17 +89,17 @@ tinygltf::Model open_gltf(Report& report)
     if (const auto chunk = checked.files.find(kBinaryChunk); chunk != checked.files.end())
         container.require_binary(chunk->second);
     const std::string& json = checked.json.empty() ? container.json() : checked.json;
-    Folder folder{report.file().parent_path(), container, report, std::move(checked.files), false};
+    Opened opened{container, report, std::move(checked.files), false};
 
     tinygltf::TinyGLTF reader;
-    reader.SetFsCallbacks({file_exists, expand_path, read_whole_file, write_whole_file, &folder});
+    reader.SetFsCallbacks({file_exists, expand_path, read_whole_file, write_whole_file, &opened});
     reader.SetImageLoader(keep_image, nullptr);
     tinygltf::Model model;
     std::string errors, warnings;
     const bool ok = reader.LoadASCIIFromString(&model, &errors, &warnings, json.data(), static_cast<unsigned>(json.size()),
                                                "");
     // tinygltf itself catches what its parser throws, and keeps the text of it.
-    if (folder.lacks_memory || errors.find(std::bad_alloc().what()) != std::string::npos) throw std::bad_alloc();
+    if (opened.lacks_memory || errors.find(std::bad_alloc().what()) != std::string::npos) throw std::bad_alloc();
     // tinygltf also reports what may be left out (a channel's node, inverse bind matrices); our validation is more exact.
     if (!ok) throw Error(report.name(), errors.empty() ? "not a readable glTF" : first_line(errors));
     return model;

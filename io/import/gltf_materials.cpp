@@ -56,7 +56,7 @@ TextureUse::Wrap wrap_of(int mode)
 
 // Returns for each image the first one that is read from the same place: a file may name a large image thousands of times,
 // by many spellings or by views of the same bytes.
-std::vector<int> same_images(const tinygltf::Model& model, const std::filesystem::path& folder)
+std::vector<int> same_images(const tinygltf::Model& model, Folder& folder)
 {
     std::vector<int> first(model.images.size());
     std::map<std::array<std::size_t, 3>, int> by_bytes;
@@ -72,7 +72,7 @@ std::vector<int> same_images(const tinygltf::Model& model, const std::filesystem
         } else if (image.image.empty()) {
             const auto [known, is_new] = by_uri.try_emplace(image.uri, index);
             if (is_new && !image.uri.starts_with("data:"))
-                if (const auto path = inside(folder, decode_uri(image.uri)))
+                if (const auto& path = folder.find(decode_uri(image.uri)).path)
                     known->second = by_path.try_emplace(path->string(), index).first->second;
             first[i] = known->second;
         }
@@ -96,7 +96,7 @@ MaterialImporter::MaterialImporter(const tinygltf::Model& model, AccessorReader&
       accessors_(accessors),
       scene_(scene),
       report_(report),
-      first_image_(same_images(model, report.file().parent_path())),
+      first_image_(same_images(model, report.folder())),
       view_bytes_left_(most_view_bytes(model))
 {
     for (std::size_t i = 0; i < model.materials.size(); ++i) {
@@ -194,12 +194,12 @@ std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
         t.encoded = bytes;
         return t;
     }
-    const auto path = inside(report_.file().parent_path(), decode_uri(i->uri));
+    const auto& [path, is_file] = report_.folder().find(decode_uri(i->uri));
     if (!path) {
         report_.warn_of_file("image is not in the scene's folder", named_image(index, shown));
         return std::nullopt;
     }
-    if (!std::filesystem::is_regular_file(*path)) {
+    if (!is_file) {
         report_.warn_of_file("image file is missing", shown);
         return std::nullopt;
     }

@@ -13,6 +13,7 @@
 #include "io/import/mtl_statements.h"
 #include "io/import/words.h"
 #include "io/texture/decode.h"
+#include "io/texture/decode_budget.h"
 
 namespace occam::import {
 
@@ -42,13 +43,15 @@ bool is_diffuse_alone(const tinyobj::material_t& m)
     return m.illum == 1 && !is_extended;
 }
 
-// Returns true if the image, reduced to at most 64 texels a side, has no colour. Returns false if it cannot be read; the
-// texture store will report that.
-bool is_grey(const Texture& texture)
+// Returns true if the image, reduced to at most 64 texels a side, has no colour. Returns false if it cannot be read, or if
+// the budget has nothing left for it; the texture store, which has the same budget for all images, will report that.
+bool is_grey(const Texture& texture, DecodeBudget& budget)
 {
     constexpr float kColor = 4.0f / 255;
     try {
-        const TextureSource source(texture);
+        const TextureSource source(texture, &budget);
+        std::error_code ignored;
+        if (!budget.takes_bytes(source.bytes_to_decode(), std::filesystem::file_size(texture.path, ignored))) return false;
         int halvings = 0;
         while (std::max(source.width(), source.height()) >> halvings > 64) ++halvings;
         const MipImage image = source.decode(halvings);
@@ -65,10 +68,7 @@ bool is_grey(const Texture& texture)
 
 class LibraryReader {
 public:
-    LibraryReader(const std::filesystem::path& folder, Scene& scene, Report& report)
-        : folder_(folder), scene_(scene), report_(report)
-    {
-    }
+    LibraryReader(Scene& scene, Report& report) : scene_(scene), report_(report) {}
 
     void read(const std::string& line)
     {
@@ -100,8 +100,8 @@ private:
 
     bool read_new(const std::string& name)
     {
-        const auto path = inside(folder_, name);
-        if (!path || !std::filesystem::is_regular_file(*path)) return false;
+        const auto& [path, is_file] = report_.folder().find(name);
+        if (!is_file) return false;
         if (!paths_.insert(*path).second) return true;  // it is there by another name
         report_.add_file(*path);
         const std::string text = prepare_mtl(read_text(*path, kMaxLibraryBytes), name, report_);
@@ -120,18 +120,18 @@ private:
         return true;
     }
 
-    // Returns the first path of a file that the name may mean, or else the last one in the folder, if there is one.
-    std::optional<std::filesystem::path> image_path(const std::string& name) const
+    // Returns the first place of a file that the name may mean, or else the last one in the folder, if there is one.
+    const Folder::Place& image_place(const std::string& name)
     {
-        std::optional<std::filesystem::path> path;
+        const Folder::Place* last = nullptr;
         for (std::string form : {name, std::string(without_comment(name))})
             for (int with_slashes = 0; with_slashes < 2; ++with_slashes) {
                 if (with_slashes) std::replace(form.begin(), form.end(), '\\', '/');  // as programs for Windows write them
-                const auto other = inside(folder_, form);
-                if (other) path = other;
-                if (path && std::filesystem::is_regular_file(*path)) return path;
+                const Folder::Place& place = report_.folder().find(form);
+                if (!last || place.path) last = &place;
+                if (last->is_file) return *last;
             }
-        return path;
+        return *last;
     }
 
     // Lists the images that the material names, also those of kinds that are not read.
@@ -140,21 +140,22 @@ private:
         for (const std::string* name :
              {&m.ambient_texname, &m.diffuse_texname, &m.specular_texname, &m.specular_highlight_texname, &m.bump_texname,
               &m.displacement_texname, &m.alpha_texname, &m.reflection_texname, &m.roughness_texname, &m.metallic_texname,
-              &m.sheen_texname, &m.emissive_texname, &m.normal_texname})
-            if (const auto path = image_path(*name); path && std::filesystem::is_regular_file(*path))
-                report_.add_file(*path);
+              &m.sheen_texname, &m.emissive_texname, &m.normal_texname}) {
+            if (name->empty()) continue;
+            if (const Folder::Place& place = image_place(*name); place.is_file) report_.add_file(*place.path);
+        }
     }
 
     TextureUse texture(const std::string& name, const tinyobj::texture_option_t& option, TextureRole role)
     {
         TextureUse use;
         if (name.empty()) return use;
-        const auto path = image_path(name);
+        const auto& [path, is_file] = image_place(name);
         if (!path) {
             report_.warn_of_file("texture is not in the scene's folder", name);
             return use;
         }
-        if (!std::filesystem::is_regular_file(*path)) {
+        if (!is_file) {
             report_.warn_of_file("image file is missing", name);
             return use;
         }
@@ -178,7 +179,7 @@ private:
     bool holds_heights(TextureId texture)
     {
         const auto [known, is_new] = is_grey_.try_emplace(texture, false);
-        if (is_new) known->second = is_grey(scene_.texture(texture));
+        if (is_new) known->second = is_grey(scene_.texture(texture), budget_);
         return known->second;
     }
 
@@ -262,22 +263,22 @@ private:
         return material;
     }
 
-    const std::filesystem::path& folder_;
     Scene& scene_;
     Report& report_;
     std::map<std::string, MaterialId> materials_;
     std::map<std::pair<std::string, TextureRole>, TextureId> textures_;
-    std::map<std::string, bool> is_there_;         ///< the names of libraries so far, and whether each is there
-    std::set<std::filesystem::path> paths_;        ///< libraries that have been read, by canonical paths
+    std::map<std::string, bool> is_there_;   ///< the names of libraries so far, and whether each is there
+    std::set<std::filesystem::path> paths_;  ///< libraries that have been read, by canonical paths
+    DecodeBudget budget_;
     std::unordered_map<TextureId, bool> is_grey_;  ///< of the images of bump maps so far
 };
 
 }  // namespace
 
-std::optional<std::map<std::string, MaterialId>> read_mtl(const std::vector<std::string>& libraries,
-                                                          const std::filesystem::path& folder, Scene& scene, Report& report)
+std::optional<std::map<std::string, MaterialId>> read_mtl(const std::vector<std::string>& libraries, Scene& scene,
+                                                          Report& report)
 {
-    LibraryReader reader(folder, scene, report);
+    LibraryReader reader(scene, report);
     for (const std::string& names : libraries) reader.read(names);
     return reader.take();
 }

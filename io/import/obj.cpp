@@ -167,7 +167,7 @@ Polygons read_obj(const std::filesystem::path& file, Scene& scene, bool with_mat
     polygons.has_libraries = !statements.material_libraries.empty();
     polygons.smoothing = statements.smoothing;
     std::optional<std::map<std::string, MaterialId>> materials;
-    if (with_materials) materials = read_mtl(statements.material_libraries, file.parent_path(), scene, report);
+    if (with_materials) materials = read_mtl(statements.material_libraries, scene, report);
 
     Collector collector(polygons, statements, materials ? &*materials : nullptr, report);
     TextStream stream(text);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "io/import/folder.h"
 #include "scenegraph/scene.h"
 
 namespace occam::import {
@@ -15,10 +16,15 @@ namespace occam::import {
 class Report {
 public:
     /// strict   every warning is thrown as an Error instead
-    Report(std::filesystem::path file, bool strict) : file_(std::move(file)), strict_(strict), files_{file_} {}
+    Report(std::filesystem::path file, bool strict)
+        : file_(std::move(file)), strict_(strict), folder_(file_.parent_path()), files_{file_}
+    {
+    }
 
     const std::filesystem::path& file() const noexcept { return file_; }
     std::string name() const { return file_.string(); }
+    /// Returns the folder of the scene, which finds the files that the scene names.
+    Folder& folder() noexcept { return folder_; }
     bool is_strict() const noexcept { return strict_; }
 
     void warn(const std::string& what, const std::string& where = {}) { add(what, {what, where, ", first of "}); }
@@ -69,6 +75,7 @@ private:
     static constexpr std::size_t kMaxKinds = 1000;  // more kinds than this would not be read
     std::filesystem::path file_;
     bool strict_;
+    Folder folder_;
     std::set<std::filesystem::path> files_;
     std::size_t left_out_ = 0;
     std::vector<Kind> kinds_;
