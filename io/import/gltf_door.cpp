@@ -11,6 +11,7 @@
 #include "io/import/gltf_json.h"
 #include "io/import/gltf_rules.h"
 #include "io/import/gltf_schema_check.h"
+#include "io/import/gltf_size.h"
 #include "io/import/gltf_uri.h"
 
 namespace occam::import {
@@ -137,6 +138,7 @@ CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
     check_schema(root, report);
     check_asset(root, report);
     check_extensions(root, report);
+    check_size(root, json_text.size(), report);
     check_data_rules(root, report);
     check_scene_rules(root, report);
     warn_of_empty_extras(root, report);

@@ -13,6 +13,9 @@ namespace occam::import {
 
 namespace {
 
+constexpr std::size_t kMaxMorphTargets = 8192;
+constexpr std::size_t kBytesBesideASlot = 512;  // of what a scene knows of a cage, its lists and its handles
+
 int attribute(const tinygltf::Primitive& primitive, const std::string& name)
 {
     const auto found = primitive.attributes.find(name);
@@ -77,7 +80,9 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
     const std::string where = named_element("meshes", static_cast<std::size_t>(mesh), m.name);
     const bool is_cage = style.scheme ? *style.scheme != CageStyle::Scheme::None : options_.subdivide == Subdivide::On;
 
-    accessors_.copies().charge(m.primitives.size(), m.name.size(), where);
+    // Accessors are charged for what they hold. A second style makes all cages of a mesh anew.
+    const std::size_t again = meshes_with_cages_.insert(mesh).second ? 0 : sizeof(CageSlot) + kBytesBesideASlot;
+    accessors_.copies().charge(m.primitives.size(), m.name.size() + again, where);
     std::vector<PrimitiveCage> parts;
     for (std::size_t p = 0; p < m.primitives.size(); ++p)
         if (std::optional<PrimitiveCage> part = read(m.primitives[p], where + ".primitives[" + std::to_string(p) + "]")) {
@@ -249,6 +254,8 @@ void MeshImporter::read_morph_targets(const tinygltf::Primitive& primitive, cons
     const auto values = [&](int accessor) {
         return accessors_.vec3(per_vertex(accessor, vertices, "morph target", where), vertices.used);
     };
+    if (primitive.targets.size() > kMaxMorphTargets)
+        throw Error(report_.name(), "has more than " + std::to_string(kMaxMorphTargets) + " morph targets", where);
     for (const auto& attributes : primitive.targets) {
         MorphTarget target;
         for (const auto& [name, accessor] : attributes)

@@ -1,6 +1,13 @@
 // Conversion of the meshes of a glTF into cages: triangles as they are, or polygons of a subdivision cage.
 #pragma once
 
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "io/import/gltf_materials.h"
 #include "io/import/gltf_occam.h"
 #include "io/import/import.h"
@@ -52,6 +59,7 @@ private:
     const LoadOptions& options_;
     int variant_ = -1;
     std::map<std::pair<int, CageStyle>, std::vector<CageId>> cages_;
+    std::set<int> meshes_with_cages_;
 };
 
 }  // namespace occam::import
