@@ -61,9 +61,10 @@ DeformedCage::DeformedCage(const CageSlot& slot, const CagePose& pose, const dou
     std::fill_n(blocks_, blocks, nullptr);
 }
 
-Vec3f DeformedCage::posed(std::uint32_t v) const noexcept
+Vec3f DeformedCage::posed(std::uint32_t v) const noexcept { return skinned(v, morphed(cage_, positions_, weights_, v)); }
+
+Vec3f DeformedCage::skinned(std::uint32_t v, Vec3d p) const noexcept
 {
-    const Vec3d p = morphed(cage_, positions_, weights_, v);
     if (!joints_) return Vec3f(transform_point(frame_from_mesh_, p));
     Vec3d sum(0);
     double total = 0;
@@ -86,7 +87,15 @@ const Vec3f* DeformedCage::pose_block(std::uint32_t block)
     const auto vertices = static_cast<std::uint32_t>(cage_.positions.size());
     const std::uint32_t first = block * kBlock, end = std::min(first + kBlock, vertices);
     Vec3f* out = arena_->make_array<Vec3f>(kBlock).data();
-    for (std::uint32_t v = first; v < end; ++v) out[v - first] = posed(v);
+    // Target by target, since the offsets of one lie side by side. The sums are those of morphed(), in the same order.
+    Vec3d moved[kBlock];
+    for (std::uint32_t v = first; v < end; ++v) moved[v - first] = Vec3d(positions_[v]);
+    for (std::size_t k = 0; k < std::min(weights_.size(), cage_.morph_targets.size()); ++k) {
+        const std::vector<Vec3f>& offsets = cage_.morph_targets[k].positions;
+        if (weights_[k] == 0 || offsets.empty()) continue;
+        for (std::uint32_t v = first; v < end; ++v) moved[v - first] += Vec3d(offsets[v]) * double(weights_[k]);
+    }
+    for (std::uint32_t v = first; v < end; ++v) out[v - first] = skinned(v, moved[v - first]);
     blocks_[block] = out;
     counters_->vertices += end - first;
     return out;

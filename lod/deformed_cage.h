@@ -61,6 +61,8 @@ private:
     static constexpr std::uint32_t kBlock = 32;
 
     const Vec3f* pose_block(std::uint32_t block);
+    /// Returns where the skin and the frame put a vertex that morph targets have moved to `p`.
+    Vec3f skinned(std::uint32_t v, Vec3d p) const noexcept;
     const Mat4d& joint(std::size_t j) const noexcept { return j < joint_count_ ? joints_[j] : frame_from_mesh_; }
 
     const Cage& cage_;

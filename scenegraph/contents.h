@@ -52,6 +52,9 @@ struct Contents {
     /// See depth_in().
     double held = 0;
     double most_depth = 0;  ///< the largest depth_in() of the nodes
+    /// The sum over all that is placed below of vertices times morph targets whose weight is not 0, for each key of a
+    /// shutter in which the weights change. A frame may add up that many offsets.
+    double morph_offsets = 0;
 
     void add(const Contents& other) noexcept
     {
@@ -68,6 +71,7 @@ struct Contents {
         most_layers = std::max(most_layers, other.most_layers);
         held += other.held;
         most_depth = std::max(most_depth, other.most_depth);
+        morph_offsets += other.morph_offsets;
     }
     /// Adds what is placed below as a whole: `box` is its box in the axes of this node, and `own` its box in its own axes.
     /// stretch   the largest factor by which its placement lengthens anything
@@ -117,6 +121,9 @@ inline constexpr double kMostLayers = 1 << 14;
 /// The most boxes of surfaces that light may pass in which a point may lie, by Contents::depth_in(); a frame with more is
 /// refused, since each ray starts again behind each of these surfaces.
 inline constexpr double kMostDepth = 1 << 11;
+/// The most offsets of morph targets that a frame may have to add up, by Contents::morph_offsets; a frame with more is
+/// refused.
+inline constexpr double kMostMorphOffsets = 0x1p34;
 /// The most placements that are listed one by one (of lights, of emitters, of displaced cages).
 inline constexpr std::size_t kMostListed = std::size_t(1) << 22;
 
@@ -132,8 +139,9 @@ struct FaceLayers {
     explicit FaceLayers(const Cage& cage);
 };
 
-/// Throws Error, naming a node, if a ray may have to meet more than kMostLayers surfaces, or if a point may lie in more than
-/// kMostDepth boxes of surfaces that light may pass. The scene must be refitted.
+/// Throws Error, naming a node, if a ray may have to meet more than kMostLayers surfaces, if a point may lie in more than
+/// kMostDepth boxes of surfaces that light may pass, or if there are more than kMostMorphOffsets. The scene must be
+/// refitted.
 void check_layers(const Scene& scene);
 /// Names a node for a message.
 std::string naming(const Node& node);

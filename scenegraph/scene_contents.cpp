@@ -1,8 +1,10 @@
 // What subtrees hold: how it is summed up, and how what is looked for is found by it.
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 #include <string>
 #include <unordered_map>
+#include <vector>
 
 #include "base/cancellation.h"
 #include "base/error_without_file.h"
@@ -29,6 +31,25 @@ bool bounds_absorbing_body(const Material& m) noexcept
     const bool is_body = m.transmission > 0 && m.thickness > 0 && m.ior >= 1 - kLeastBend;
     const bool is_finite = m.attenuation_distance > 0 && m.attenuation_distance < std::numeric_limits<float>::infinity();
     return is_body && is_finite && (c.x < 1 || c.y < 1 || c.z < 1);
+}
+
+double morph_offsets_of(const Cage& cage, const std::vector<float>& weights) noexcept
+{
+    const std::vector<float>& all = weights.empty() ? cage.morph_weights : weights;
+    std::size_t targets = 0;
+    for (std::size_t k = 0; k < std::min(all.size(), cage.morph_targets.size()); ++k)
+        targets += all[k] != 0 && !cage.morph_targets[k].positions.empty();
+    return double(targets) * double(cage.positions.size());
+}
+
+// Returns the same for a node that shows the cage, with its keys.
+double morph_offsets_of(const Cage& cage, const Node& node) noexcept
+{
+    if (cage.morph_targets.empty()) return 0;
+    if (node.keys.empty()) return morph_offsets_of(cage, node.morph_weights);
+    double sum = 0;
+    for (const NodeKey& key : node.keys) sum += morph_offsets_of(cage, key.morph_weights);
+    return sum;
 }
 
 }  // namespace
@@ -138,6 +159,7 @@ Contents Scene::State::own_contents(const NodeRecord& node) const noexcept
         const CageRecord* cage = cages.find(id);
         if (!cage) continue;
         contents.add(cage->contents);
+        contents.morph_offsets += morph_offsets_of(cage->cage, node);
         if (!cage->key_positions.empty()) {
             contents.kinds |= Contents::Moving;
             contents.written_faces = std::max(contents.written_faces, static_cast<std::uint32_t>(cage->cage.face_count()));
@@ -208,6 +230,14 @@ void check_layers(const Scene& scene)
                 figure(worst.contents.most_depth) + " others, and " + std::to_string(static_cast<int>(kMostDepth)) +
                 " is the limit",
             naming(worst));
+    }
+    if (all.morph_offsets > kMostMorphOffsets) {
+        const auto offsets = [](const Node& n) { return n.contents.morph_offsets; };
+        const Node& worst = node_at_fault(
+            scene, [&](const Node& n) { return offsets(n) > kMostMorphOffsets; }, offsets);
+        throw error_without_file("morph targets would move vertices too often: the frame would have to add up about " +
+                                     figure(offsets(worst)) + " offsets, and " + figure(kMostMorphOffsets) + " is the limit",
+                                 naming(worst));
     }
 }
 

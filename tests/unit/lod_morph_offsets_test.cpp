@@ -1,0 +1,83 @@
+// Tests of the sums of morph targets: a frame with too many is refused, and blocks of vertices have the sums of single ones.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "base/arena.h"
+#include "base/error.h"
+#include "lod/deformed_cage.h"
+#include "scenegraph/contents.h"
+#include "scenegraph/scene.h"
+#include "tests/support/shape_builders.h"
+
+namespace occam::test {
+namespace {
+
+Cage morphed_cage(std::size_t targets)
+{
+    Cage cage = torus();
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> offset(-1, 1);
+    for (std::size_t k = 0; k < targets; ++k) {
+        MorphTarget target;
+        if (k % 3 != 2)
+            for (std::size_t v = 0; v < cage.positions.size(); ++v)
+                target.positions.emplace_back(offset(random), offset(random), offset(random));
+        cage.morph_targets.push_back(std::move(target));
+        cage.morph_weights.push_back(k % 4 == 1 ? 0 : offset(random));
+    }
+    return cage;
+}
+
+TEST(MorphOffsets, ABlockOfVerticesHasTheSumsOfEach)
+{
+    Scene scene;
+    const CageId id = scene.add(morphed_cage(25));
+    NodeDesc desc;
+    desc.cages = {id};
+    const NodeId node = scene.add_node(scene.root(), desc);
+    const CageSlot& slot = scene.cage(id);
+    const double rows[3][4] = {{1, 0, 0, 0.1}, {0, 1, 0, 0.2}, {0, 0, 1, 0.3}};
+    Arena arena;
+    lod::DeformCounters counters;
+    lod::DeformedCage cage(slot, lod::CagePose(slot, scene.node(node), nullptr), rows, arena, counters);
+    for (std::uint32_t v = 0; v < slot.cage.positions.size(); ++v) EXPECT_EQ(cage.position(v), cage.posed(v)) << v;
+}
+
+TEST(MorphOffsets, AreCountedWithInstancesAndRefusedBeyondTheirLimit)
+{
+    Scene scene;
+    const CageId id = scene.add(morphed_cage(12));  // 9 of them have a weight, of which 6 have positions
+    NodeDesc desc;
+    desc.cages = {id};
+    NodeId shown = scene.add_node(scene.root(), desc);
+    scene.refit();
+    const double once = scene.contents().morph_offsets;
+    EXPECT_EQ(once, 6.0 * double(scene.cage(id).cage.positions.size()));
+    double copies = 1;
+    for (; copies * once <= kMostMorphOffsets; copies *= 4) {
+        NodeDesc group;
+        group.name = "crowd";
+        const NodeId of = scene.add_node(scene.root(), group);
+        for (int i = 0; i < 4; ++i) {
+            NodeDesc instance;
+            instance.instance_of = shown;
+            instance.place.translation = Vec3d(i % 2, i / 2, 0) * std::sqrt(copies) * 4.0;
+            scene.add_node(of, instance);
+        }
+        shown = of;
+    }
+    scene.refit();
+    try {
+        check_layers(scene);
+        ADD_FAILURE() << "not refused";
+    } catch (const Error& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find("offsets, and 1.72e+10 is the limit (node crowd)"), std::string::npos) << text;
+    }
+}
+
+}  // namespace
+}  // namespace occam::test
