@@ -44,13 +44,20 @@ std::vector<ClipId> choose_clips(const Scene& scene, const RenderArguments& a)
     throw Error(name_of_scene(a), "has no clip of that name or number; " + list_of(names), a.clip);
 }
 
+// What is no regular file, such as a pipe, would be read for ever.
+void require_environment(const RenderArguments& a)
+{
+    if (a.environment.empty()) return;
+    if (const std::string why = why_unreadable(a.environment); !why.empty())
+        throw Error(a.environment.string(), why, "--environment");
+}
+
 // Returns whether the scene has an environment then, whatever its factor is.
 bool set_environment(Scene& scene, const RenderArguments& a)
 {
     if (!a.has_environment) scene.environment = {};
     if (!a.environment.empty()) {
-        if (const std::string why = why_unreadable(a.environment); !why.empty())
-            throw Error(a.environment.string(), why, "--environment");
+        require_environment(a);
         Texture image;
         image.name = a.environment.filename().string();
         image.path = a.environment;
@@ -340,6 +347,7 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
 
 Scene open_scene(const RenderArguments& a, std::span<const std::filesystem::path> pictures)
 {
+    require_environment(a);  // before the scene is read, which may take long
     Scene scene = open_scene(a);
     std::vector<std::filesystem::path> outputs(pictures.begin(), pictures.end());
     if (!a.stats.empty()) outputs.push_back(a.stats);

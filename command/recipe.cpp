@@ -36,8 +36,11 @@ public:
     {
         (add(values), ...);
     }
+    /// Adds the bytes of a regular file; any other, such as a pipe, might have no end.
     void add_bytes_of(const fs::path& file)
     {
+        std::error_code error;
+        if (!fs::is_regular_file(file, error)) return add(-1);
         std::ifstream in(file, std::ios::binary);
         std::string block(std::size_t(1) << 16, '\0');
         while (in.read(block.data(), static_cast<std::streamsize>(block.size())) || in.gcount() > 0)

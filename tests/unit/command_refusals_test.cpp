@@ -85,6 +85,19 @@ TEST_F(Refusals, OfFilesThatCannotBeReadGiveTheReason)
     expect_refusal({"info", "closed"}, "closed: is a folder; name a scene file in it");
 }
 
+// Such a file may have no end, or wait for a writer for ever.
+TEST_F(Refusals, OfEnvironmentsThatAreNoFilesComeBeforeTheyAreRead)
+{
+    ASSERT_EQ(mkfifo((folder / "pipe.png").c_str(), 0600), 0);
+    before_exec = [] { alarm(20); };
+    for (const std::string& name : {"pipe.png", "/dev/zero", "none.png"}) {
+        const std::string why = name + ": is not there or is not a file (--environment)";
+        expect_refusal({"render", "triangle.obj", "-o", "b.png", "--environment", name}, why);
+        expect_refusal({"animate", "triangle.obj", "-o", "b.#.png", "--frames", "0", "--environment", name}, why);
+    }
+    before_exec = nullptr;
+}
+
 // Numbers are judged before anything is computed from them.
 TEST_F(Refusals, OfNumbersComeBeforeTheyOverflow)
 {
