@@ -291,6 +291,9 @@ private:
         const auto& has = fields.has;
         if (!has[kX] || !has[kY] || !has[kZ]) refuse("vertices without x, y and z");
         const bool has_normals = has[kNx] && has[kNy] && has[kNz], has_uvs = has[kU] && has[kV];
+        const bool is_alike = has_normals != polygons_.normals.empty() && has_uvs != cage.uv_sets.empty() &&
+                              fields.has_colors != cage.colors.empty();
+        if (!cage.positions.empty() && !is_alike) refuse("elements 'vertex' with different properties");
         if (has_uvs) cage.uv_sets.resize(1);
         for (std::size_t i = 0; i < element.count; ++i) {
             for (std::size_t p = 0; p < fields.of_property.size(); ++p) read_value(element, p, fields);

@@ -153,6 +153,30 @@ TEST(ImportPly, DeclaredSizesAreCheckedBeforeAnythingIsAllocated)
     EXPECT_NE(error_of(folder.write("d.ply", ply_header("ascii", nothing))).find("no face"), std::string::npos);
 }
 
+TEST(ImportPly, ElementsOfVerticesHaveTheSameProperties)
+{
+    const std::string more[] = {"property float nx\nproperty float ny\nproperty float nz\n",
+                                "property float u\nproperty float v\n",
+                                "property uchar red\nproperty uchar green\nproperty uchar blue\n"};
+    const std::string values[] = {" 0 0 1", " 0.5 0.5", " 255 0 0"};
+    const TempFolder folder;
+    const auto error = [&](const std::string& first, const std::string& first_values, const std::string& second,
+                           const std::string& second_values) {
+        const std::string place = "property float x\nproperty float y\nproperty float z\n";
+        return error_of(folder.write(
+            "two.ply", "ply\nformat ascii 1.0\nelement vertex 1\n" + place + first + "element vertex 2\n" + place + second +
+                           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0" + first_values +
+                           "\n1 0 0" + second_values + "\n0 1 0" + second_values + "\n3 0 1 2\n"));
+    };
+    const std::string why = "elements 'vertex' with different properties";
+    EXPECT_EQ(error("", "", "", ""), "");
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_EQ(error(more[i], values[i], more[i], values[i]), "");
+        EXPECT_NE(error(more[i], values[i], "", "").find(why), std::string::npos) << i;
+        EXPECT_NE(error("", "", more[i], values[i]).find(why), std::string::npos) << i;
+    }
+}
+
 TEST(ImportPly, RefusesWhatItDoesNotUnderstand)
 {
     const TempFolder folder;
