@@ -1,8 +1,15 @@
 #include "io/import/gltf_buffers.h"
 
+#include <tiny_gltf.h>
+
+#include <cstdint>
+#include <filesystem>
 #include <optional>
+#include <string>
+#include <system_error>
 #include <unordered_map>
 
+#include "base/error.h"
 #include "io/import/folder.h"
 #include "io/import/gltf_door.h"
 #include "io/import/gltf_json.h"
@@ -26,6 +33,29 @@ std::optional<std::string> place_of(const std::string& uri, Folder& folder)
 }
 
 }  // namespace
+
+void check_source(const json& buffer, const std::string& where, Report& report)
+{
+    constexpr std::size_t kMaxShown = 80;  // data URIs are long
+    const std::string uri = text(buffer, "uri"), name = decode_uri(uri), shown = uri.substr(0, kMaxShown);
+    if (name == kBinaryChunk) return;
+    if (uri.starts_with("data:")) {
+        if (!tinygltf::IsDataURI(uri))
+            throw Error(report.name(), "the data URI is not in base64, or its media type is not read: " + shown, where);
+        return;
+    }
+    const auto& [path, is_file] = report.folder().find(name);
+    if (!path) throw Error(report.name(), "the file of the buffer is not in the scene's folder: " + shown, where);
+    if (!is_file) throw Error(report.name(), "the file of the buffer is missing, or no regular file: " + shown, where);
+    std::error_code error;
+    const std::uintmax_t there = std::filesystem::file_size(*path, error);
+    const std::int64_t wanted = integer(buffer, "byteLength", 0);
+    if (!error && wanted > 0 && there < static_cast<std::uintmax_t>(wanted))
+        throw Error(report.name(),
+                    "the file of the buffer has " + std::to_string(there) + " bytes, and byteLength is " +
+                        std::to_string(wanted) + ": " + shown,
+                    where);
+}
 
 bool join_buffers(json& root, Folder& folder)
 {

@@ -146,7 +146,10 @@ CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
     bool is_changed = false;
     for (std::size_t b = 0; b < list(root, "buffers").size(); ++b) {
         json& buffer = root["buffers"][b];
-        if (!text(buffer, "uri").empty()) continue;
+        if (!text(buffer, "uri").empty()) {
+            check_source(buffer, element("buffers", b), report);
+            continue;
+        }
         if (!is_glb || b > 0) {
             const bool is_compressed = buffer.contains("extensions") &&
                                        buffer["extensions"].contains("EXT_meshopt_compression");

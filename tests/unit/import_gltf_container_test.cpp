@@ -1,6 +1,10 @@
 // Tests of GLB containers, and of buffers beside a glTF.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <string>
+#include <utility>
+
 #include "tests/support/campaign.h"
 #include "tests/support/gltf_scene.h"
 #include "tests/support/import_errors.h"
@@ -58,6 +62,29 @@ TEST(ImportGltfContainer, AChunkThatIsMissingIsRefused)
 }
 
 // glTF 2.0, sec. 3.6.1.1: the file must hold at least what the buffer says.
+TEST(ImportGltfContainer, MessagesNameTheBufferThatCannotBeRead)
+{
+    const TempFolder folder;
+    folder.write("four.bin", "1234");
+    std::filesystem::create_directories(folder.path() / "sub");
+    const std::pair<std::string, std::string> sources[] = {
+        {"none.bin", "the file of the buffer is missing, or no regular file: none.bin (buffers[1])"},
+        {"sub", "the file of the buffer is missing, or no regular file: sub (buffers[1])"},
+        {"../none.bin", "the file of the buffer is not in the scene's folder: ../none.bin (buffers[1])"},
+        {"four.bin", "the file of the buffer has 4 bytes, and byteLength is 47: four.bin (buffers[1])"},
+        {"data:audio/wav;base64,AAAA", "the data URI is not in base64, or its media type is not read: data:audio/wav"},
+        {"data:application/octet-stream,AAAA", "the data URI is not in base64, or its media type is not read"}};
+    for (const auto& [uri, why] : sources) {
+        Gltf g = square();
+        std::string text = g.json();
+        g.write(folder);
+        const std::size_t end = text.find("}]", text.find("\"buffers\""));
+        text.insert(end + 1, R"(, {"byteLength": 47, "uri": ")" + uri + "\"}");
+        const std::string error = error_of(folder.write("other.gltf", text));
+        EXPECT_NE(error.find(why), std::string::npos) << error;
+    }
+}
+
 TEST(ImportGltfContainer, AFileMayBeLongerThanItsBufferButNotShorter)
 {
     const TempFolder folder;
