@@ -90,7 +90,7 @@ TEST_F(Refusals, OfEnvironmentsThatAreNoFilesComeBeforeTheyAreRead)
 {
     ASSERT_EQ(mkfifo((folder / "pipe.png").c_str(), 0600), 0);
     before_exec = [] { alarm(20); };
-    for (const std::string& name : {"pipe.png", "/dev/zero", "none.png"}) {
+    for (const std::string name : {"pipe.png", "/dev/zero", "none.png"}) {
         const std::string why = name + ": is not there or is not a file (--environment)";
         expect_refusal({"render", "triangle.obj", "-o", "b.png", "--environment", name}, why);
         expect_refusal({"animate", "triangle.obj", "-o", "b.#.png", "--frames", "0", "--environment", name}, why);
