@@ -22,8 +22,7 @@ double growth_around(std::uint32_t faces) noexcept
 
 LongestEdges::LongestEdges(const Poles& poles) noexcept
 {
-    // Without creases edges stay below this with an eighth, and between creases with a quarter
-    // (tests/unit/lod_poles_test.cpp).
+    // A bound for the edges of random cages (tests/unit/lod_poles_test.cpp): if they have no creases, an eighth is enough.
     constexpr double kBegins = 0.25;
     std::array<double, Poles::kMostFaces.size()> growth;
     for (std::size_t c = 0; c < growth.size(); ++c) growth[c] = growth_around(Poles::kMostFaces[c]);

@@ -17,6 +17,7 @@ namespace occam::lod {
 /// edges become there. The chords of such short edges are within 10^-6 of a face's side of the surface.
 inline constexpr int kFinestAtPoles = 1024;
 
+/// The lengths for all levels of a frame.
 class LongestEdges {
 public:
     /// There are no poles.

@@ -19,6 +19,7 @@ struct Around {
     std::uint64_t border = 0;  ///< hashes of all edges of these faces, each as often as faces have it: 0 if none is a border
 };
 
+/// What is around the vertices of a cage.
 class Surroundings {
 public:
     explicit Surroundings(const Cage& cage) : all_(cage.positions.size())

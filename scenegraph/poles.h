@@ -1,9 +1,11 @@
 // Poles: vertices around which the limit surface shrinks by less than half from one step of subdivision to the next, so that
-// pieces of its curves become longer there than everywhere else. They are extraordinary vertices of five and more faces, and
-// vertices of three and more faces between two edges that a border or a crease keeps sharp.
+// pieces of its curves become longer there than everywhere else. They are extraordinary vertices of five and more faces,
+// vertices with three and more faces between two edges that a border or a crease keeps sharp, and sharp corners that are the
+// tip of a cone or have two faces between such edges.
 //
-// Rings of faces around a vertex shrink by the subdominant eigenvalue of the subdivision matrix (Ball and Storry 1988). It
-// is that of `n` faces around a smooth vertex, or, between sharp edges, that of twice as many.
+// Rings of faces around a vertex shrink by the subdominant eigenvalue of the subdivision matrix (Ball and Storry 1988).
+// Between sharp edges it is that of a smooth vertex of twice as many faces, and at the tip of a cone that of infinitely
+// many.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +25,6 @@ struct Poles {
     static constexpr std::array<std::uint32_t, 4> kMostFaces{5, 6, 8, ~std::uint32_t(0)};
     std::array<double, 4> longest{};  ///< 0: there is no such pole
 
-    bool has_any() const noexcept { return *this != Poles(); }
     double longest_of_all() const noexcept { return *std::max_element(longest.begin(), longest.end()); }
     void add(const Poles& other) noexcept;
     /// Returns a mask of the class of a pole of so many faces; 0 for fewer than five, which make no pole.

@@ -8,6 +8,7 @@
 
 namespace occam::import {
 
+/// Counts these nodes.
 class SkinPaths {
 public:
     SkinPaths(const Scene& scene, const Report& report) : scene_(scene), report_(report) {}

@@ -15,7 +15,7 @@
 namespace occam::test {
 namespace {
 
-/// Returns the longest edge of the quads in the four corners of every patch at a level, over the level's bound.
+/// Measures the longest edge of the quads in the four corners of every patch of a cage at a level.
 class CornerEdges {
 public:
     explicit CornerEdges(const Cage& cage)
@@ -161,8 +161,8 @@ Poles poles_of(Cage cage)
 
 TEST(Poles, AreFoundByHowManyFacesMeet)
 {
-    EXPECT_FALSE(poles_of(creased_cube(0)).has_any()) << "three faces meet at each vertex";
-    EXPECT_FALSE(poles_of(creased_cube(4)).has_any());
+    EXPECT_EQ(poles_of(creased_cube(0)), Poles()) << "three faces meet at each vertex";
+    EXPECT_EQ(poles_of(creased_cube(4)), Poles());
     for (const std::uint32_t faces : {5u, 6u, 7u, 8u, 9u}) {
         const Poles poles = poles_of(spindle(faces));
         for (std::size_t c = 0; c < poles.longest.size(); ++c) {
@@ -190,10 +190,10 @@ Cage sheet()
 // The middle vertex of the sheet is 12, and its neighbours are 7, 11, 13 and 17.
 TEST(Poles, AreFoundBetweenCreasesAndBorders)
 {
-    EXPECT_FALSE(poles_of(sheet()).has_any()) << "borders and corners of a regular sheet are no poles";
+    EXPECT_EQ(poles_of(sheet()), Poles()) << "borders and corners of a regular sheet are no poles";
     Cage line = sheet();
     line.creases = {{10, 11, 10}, {11, 12, 10}, {12, 13, 10}, {13, 14, 10}};
-    EXPECT_FALSE(poles_of(line).has_any()) << "a crease along a row leaves two faces on either side, and one at its ends";
+    EXPECT_EQ(poles_of(line), Poles()) << "a crease along a row leaves two faces on either side, and one at its ends";
     Cage bent = sheet();
     bent.creases = {{2, 7, 10}, {7, 12, 10}, {12, 13, 10}, {13, 14, 10}};
     EXPECT_EQ(poles_of(bent).longest, (std::array<double, 4>{0, 1, 0, 0})) << "three faces lie outside of the bend";
