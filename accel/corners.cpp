@@ -239,6 +239,19 @@ void HitCorners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const Own
     }
 }
 
+HitCorners::Corners HitCorners::at_level(std::size_t lane, bool is_coarse) noexcept
+{
+    const OwnBlend blend{{0, 0, 0}, is_coarse ? 1.0f : 0.0f};
+    const Vertices vertices(*spots_[lane].part, spots_[lane]);
+    FloatLanes corner[3][3];
+    float unused;
+    for (int p = 0; p < 3; ++p) put(corner[p], lane, blended(met_[lane], blend, vertices.of[p], unused));
+    set_hanging(corner, lane, blend);
+    Corners found;
+    for (int p = 0; p < 3; ++p) found.of[p] = {corner[p][0][lane], corner[p][1][lane], corner[p][2][lane]};
+    return found;
+}
+
 void HitCorners::move_positions(std::size_t lane, const lod::AffinePose& pose) noexcept
 {
     const auto move = [&](FloatLanes(&corner)[3]) {

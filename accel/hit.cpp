@@ -9,6 +9,7 @@
 #include "accel/hit_shares.h"
 #include "accel/ray_reach.h"
 #include "accel/ray_starts.h"
+#include "accel/turned_over.h"
 #include "accel/vertex_values.h"
 #include "base/hash.h"
 #include "scenegraph/map_axes.h"
@@ -18,18 +19,6 @@ namespace {
 
 // For smaller values no gradient is computed: a float would not hold it.
 constexpr float kLeastArea = 1e-30f;
-
-// Stores a vector's lanes, to be read one by one.
-struct Stored {
-    alignas(32) FloatLanes axis[3];
-    explicit Stored(const VecLanes& v) noexcept
-    {
-        v.x.store(axis[0]);
-        v.y.store(axis[1]);
-        v.z.store(axis[2]);
-    }
-    Vec3f operator[](std::size_t lane) const noexcept { return {axis[0][lane], axis[1][lane], axis[2][lane]}; }
-};
 
 /// to_frame   frame lengths of a world length
 OCCAM_NEVER_INLINE void set_bump_gradients(const HitCorners& corners, const Triangles& tri, std::size_t lane, float to_frame,
@@ -71,14 +60,30 @@ public:
     {
         for (std::size_t i = 0; i < kLanes; ++i) to_[i] = i < met.size() && met[i].grid ? &hits[i]->t : unused_;
     }
-    /// place   of the four floats in a SurfaceHit
-    void write(std::size_t place, const vfloat (&values)[4]) noexcept { store_turned(values, to_, place / sizeof(float)); }
+    struct Values {
+        vfloat t, self_distance, curvature, blend;
+        const NormalLanes& normal;
+        const UvAtHits& uv;
+    };
+    void write(const Values& of) noexcept
+    {
+        const VecLanes &geometric = of.normal.geometric, &shading = of.normal.shading, &tangent = of.uv.tangent.along;
+        write(offsetof(SurfaceHit, t), {of.t, of.self_distance, of.uv.width[0], of.uv.width[1]});
+        write(offsetof(SurfaceHit, normal_geometric), {geometric.x, geometric.y, geometric.z, of.curvature});
+        write(offsetof(SurfaceHit, normal_shading), {shading.x, shading.y, shading.z, of.uv.tangent.sign});
+        write(offsetof(SurfaceHit, tangent), {tangent.x, tangent.y, tangent.z, of.blend});
+        write(offsetof(SurfaceHit, uv), {of.uv.at[0][0], of.uv.at[0][1], of.uv.at[1][0], of.uv.at[1][1]});
+        write(offsetof(SurfaceHit, start_normal), {geometric.x, geometric.y, geometric.z, 0.0f});
+    }
 
 private:
     static constexpr std::size_t kFloats = 30;
     static_assert(offsetof(SurfaceHit, t) == 0 && offsetof(SurfaceHit, uv) == 16 * sizeof(float));
     static_assert(offsetof(SurfaceHit, to_start) == offsetof(SurfaceHit, start_normal) + 3 * sizeof(float));
     static_assert(offsetof(SurfaceHit, to_start) < kFloats * sizeof(float));
+
+    // place   of the four floats in a SurfaceHit
+    void write(std::size_t place, const vfloat (&values)[4]) noexcept { store_turned(values, to_, place / sizeof(float)); }
 
     float* to_[kLanes];
     float unused_[kFloats];
@@ -210,6 +215,7 @@ void fill(const FilledLanes& of, std::size_t i, const GridHit& met, const Ray& r
     const Vec3d place = Vec3d(corners.position_of(0, i)) + Vec3d(of.from_corner[i]);
     hit.position = of.placed.anchor_of(i) + place;
     hit.back_side = (of.is_back >> i & 1) != 0;
+    hit.side = side_name(met.grid->cage->path.hash, hit.back_side);
     hit.to_start = hit.u_gradient = hit.v_gradient = hit.velocity = Vec3f(0);
     hit.v_axis = Vec2f(0);
     hit.color = Vec4f(1);
@@ -267,7 +273,7 @@ void set_level(const Ray& ray, const GridHit& met, const MicropolygonPlace& spot
 }  // namespace
 
 void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const GridHit> met, const PhaseOneTools& tools,
-             SurfaceHit* const* hits)
+             SurfaceHit* const* hits, bool are_first)
 {
     const HitsRead read(rays, met, tools.frame);
     if (!read.any) return;
@@ -284,7 +290,16 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const vmask is_flat = vfloat::load(read.is_flat) > zero;
     const Triangles tri(corners);
     const VecLanes offset = tri.edge[0] * share[1] + tri.edge[1] * share[2];  // relative to corner a
-    const NormalLanes normal(corners, tri, share, vfloat::load(read.mirrored), is_flat, {way[0], way[1], way[2]});
+    const vfloat farthest = max(largest(load(corners.position[0]) + offset), placed.radius(read.radius));
+    const unsigned on_ray = overlapping_lanes(read, corners);
+    corners.has_start &= ~on_ray;
+    const StartsBesideHits beside(corners, tri, share, is_flat, farthest);
+    FloatLanes orientation;
+    vfloat::load(read.mirrored).store(orientation);
+    if (beside.starts && are_first)
+        TurnedOver(corners, placed, read.coarse_starts, tri.normal)
+            .orient(rays, met, read.gaps, beside.starts->normal, orientation);
+    const NormalLanes normal(corners, tri, share, vfloat::load(orientation), is_flat, {way[0], way[1], way[2]});
     const vmask has_gradients = andnot(tri.area > vfloat(kLeastArea), is_flat);
     const vfloat outward = corners.has_normals != 0 ? outward_curvature(tri, normal.corner) : zero;
     const vfloat curvature = select(has_gradients, select(normal.is_back, -outward, outward), zero);
@@ -292,21 +307,9 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const UvAtHits uv(corners, tri, share, beam_width(rays, t),
                       {select(has_gradients, map_sets.of, -1.0f), map_sets.any, map_sets.any_other},
                       select(normal.is_back, -normal.shading, normal.shading));
-    const vfloat farthest = max(largest(load(corners.position[0]) + offset), placed.radius(read.radius));
-    const unsigned on_ray = overlapping_lanes(read, corners);
-    corners.has_start &= ~on_ray;
-    const StartsBesideHits beside(corners, tri, share, is_flat, farthest);
 
-    HitWriter writer(met, hits);
-    writer.write(offsetof(SurfaceHit, t), {t, vfloat(kStartUlps * FLT_EPSILON) * farthest, uv.width[0], uv.width[1]});
-    writer.write(offsetof(SurfaceHit, normal_geometric),
-                 {normal.geometric.x, normal.geometric.y, normal.geometric.z, curvature});
-    writer.write(offsetof(SurfaceHit, normal_shading),
-                 {normal.shading.x, normal.shading.y, normal.shading.z, uv.tangent.sign});
-    writer.write(offsetof(SurfaceHit, tangent),
-                 {uv.tangent.along.x, uv.tangent.along.y, uv.tangent.along.z, weight_at(corners, share)});
-    writer.write(offsetof(SurfaceHit, uv), {uv.at[0][0], uv.at[0][1], uv.at[1][0], uv.at[1][1]});
-    writer.write(offsetof(SurfaceHit, start_normal), {normal.geometric.x, normal.geometric.y, normal.geometric.z, zero});
+    HitWriter(met, hits).write(
+        {t, vfloat(kStartUlps * FLT_EPSILON) * farthest, curvature, weight_at(corners, share), normal, uv});
     const FilledLanes lanes{corners,
                             placed,
                             tri,

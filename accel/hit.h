@@ -12,7 +12,8 @@ namespace occam::accel {
 
 /// Fills `hits` from the micropolygons that up to kLanes rays of a group have hit. Runs phase one on patches that have
 /// their first hits here. Hits of rays that missed are not written.
+/// are_first   whether these are the rays' first hits, before which they have passed no surface that t_near does not tell of
 void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const GridHit> met, const PhaseOneTools& tools,
-             SurfaceHit* const* hits);
+             SurfaceHit* const* hits, bool are_first = true);
 
 }  // namespace occam::accel

@@ -74,8 +74,9 @@ struct NormalLanes {
     vmask is_back;  ///< the ray came from behind the face
 
     /// share      weights of the corners at the hits
-    /// mirrored   1, or -1 if the cage's placement reverses the orientation of faces
-    NormalLanes(const HitCorners& corners, const Triangles& tri, const vfloat (&share)[3], vfloat mirrored, vmask is_flat,
+    /// orientation   1, or -1 where the outside is opposite to the normal by winding: the cage's placement reverses the
+    ///               orientation of faces, or the micropolygon is turned over
+    NormalLanes(const HitCorners& corners, const Triangles& tri, const vfloat (&share)[3], vfloat orientation, vmask is_flat,
                 const VecLanes& direction) noexcept
     {
         const vfloat zero = 0.0f, one = 1.0f;
@@ -96,7 +97,7 @@ struct NormalLanes {
         }
         // A gap triangle has no area, and a degenerate patch corner has no normal: one stands in for the other.
         const vmask has_normal = andnot(tri.area > zero, is_flat);
-        geometric = select(has_normal, tri.normal * mirrored, select(is_smooth, shading, -direction));
+        geometric = select(has_normal, tri.normal * orientation, select(is_smooth, shading, -direction));
         shading = select(is_smooth, shading, geometric);
         is_back = dot(geometric, direction) > zero;
         geometric = select(is_back, -geometric, geometric);

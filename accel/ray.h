@@ -14,6 +14,15 @@ namespace occam::accel {
 
 using occam::RayKind;
 
+/// Names one side of the faces of a placed cage, by an odd number if it is the back; 0 names none. Two cages may have the
+/// same name by chance, one pair in 32,767.
+using SideName = std::uint16_t;
+inline SideName side_name(std::uint32_t hash_of_cage, bool is_back) noexcept
+{
+    return static_cast<SideName>((hash_of_cage % 0x7fff + 1) << 1 | unsigned(is_back));
+}
+inline SideName other_side(SideName side) noexcept { return side != 0 ? static_cast<SideName>(side ^ 1u) : side; }
+
 /// The start level of a ray that may start anywhere.
 inline constexpr std::int8_t kAnyLevel = std::numeric_limits<std::int8_t>::min();
 
@@ -29,6 +38,9 @@ struct Ray {
     /// The ray sees cages at this level around its origin, and then goes over to the level that its footprint asks for.
     /// A secondary ray has the level of the mesh on which its origin lies: SurfaceHit::start_level.
     std::int8_t start_level = kAnyLevel;
+    /// The side of a cage on which the ray starts (SurfaceHit::side). It decides which side of the same cage a ray with a
+    /// t_near of 0 has met first, where blending has turned a micropolygon over.
+    SideName start_side = 0;
     /// The moment at which the ray sees the scene: 0 when the shutter opens, 1 when it closes.
     float time = 0;
     /// If this is above 0, start_level holds not around the ray's origin but around the place at this distance, at which the

@@ -57,6 +57,7 @@ struct alignas(64) SurfaceHit {
     int phase_one_channels = 0;
     std::int8_t start_level = kAnyLevel;  ///< one of that pair's two levels, for Ray::start_level
     bool back_side = false;               ///< the ray came from behind the face
+    SideName side = 0;                    ///< the side that the ray has met, for Ray::start_side
     /// What dP/dv, over the length of dP/du and both across the outward normal n, has along the tangent and along
     /// cross(n, tangent). It is zero unless the material has a map of directions whose coordinates are rotated.
     Vec2f v_axis{0};

@@ -188,7 +188,7 @@ void Tracer::nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> 
                 SurfaceHit* to[kLanes];
                 for (std::size_t i = 0; i < n; ++i)
                     to[i] = &hits[s.groups.place_of[first + from + i] * std::size_t(most) + std::size_t(k)];
-                resolve({&s.groups.sorted[first + from], n}, axes, {&met[at(from, k)], n}, s.lazy.phase_one(), to);
+                resolve({&s.groups.sorted[first + from], n}, axes, {&met[at(from, k)], n}, s.lazy.phase_one(), to, k == 0);
             }
         return s.is_within(memory_bytes);
     });

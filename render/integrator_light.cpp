@@ -228,6 +228,8 @@ accel::Ray Integrator::scattered_ray(const Vertex& v, const shade::ScatterSample
     ray.origin = v.surface.start(s.direction);
     ray.direction = s.direction;
     ray.start_level = v.hit.start_level;
+    const bool stays = glm::dot(s.direction, v.surface.normal_geometric) >= 0;
+    ray.start_side = stays ? v.hit.side : accel::other_side(v.hit.side);
     ray.time = v.ray.time;
     ray.kinds = kind_of(s.lobe);
     const shade::Beam beam{v.width, v.ray.footprint.b};

@@ -36,8 +36,8 @@ inline bool same(const accel::SurfaceHit& a, const accel::SurfaceHit& b)
     const auto all = [](const accel::SurfaceHit& h) {
         return std::tuple(h.self_distance, h.uv_width[0], h.uv_width[1], h.normal_geometric, h.curvature, h.normal_shading,
                           h.tangent_sign, h.tangent, h.blend, h.uv[0], h.uv[1], h.position, h.u_gradient, h.v_gradient,
-                          h.v_axis, h.color, h.material, h.node, h.face, h.back_side, h.level, h.micropolygon, h.to_start,
-                          h.start_normal, h.start_level);
+                          h.v_axis, h.color, h.material, h.node, h.face, h.back_side, h.side, h.level, h.micropolygon,
+                          h.to_start, h.start_normal, h.start_level);
     };
     return !a.is_hit() || all(a) == all(b);
 }
