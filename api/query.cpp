@@ -8,6 +8,7 @@
 #include "accel/frame.h"
 #include "accel/tracer.h"
 #include "api/renderer_state.h"
+#include "base/default_floats.h"
 #include "base/error_without_file.h"
 #include "base/unit_vector.h"
 #include "render/camera_rays.h"
@@ -111,6 +112,7 @@ struct Query::State {
 
     void begin(const Camera& with_camera)
     {
+        const DefaultFloats floats;
         check(with_camera);
         end();
         scene.refit();
@@ -174,6 +176,7 @@ struct Query::State {
     template <class Call>
     void ask(Call&& call)
     {
+        const DefaultFloats floats;
         const Borrowed borrowed(*this);
         call(borrowed.tracer());
         if (textures.has_failed()) refuse_bad_textures();

@@ -3,10 +3,12 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "api/renderer_state.h"
+#include "base/default_floats.h"
 #include "base/error_without_file.h"
 #include "base/freed_memory.h"
 #include "base/stopwatch.h"
@@ -76,6 +78,7 @@ struct Job::State {
     /// Locks the scene for the frame.
     void begin()
     {
+        const DefaultFloats floats;
         scene.refit();
         bounds = scene.bounds();
         memory = render::plan_memory(scene, renderer->resources);
@@ -83,8 +86,22 @@ struct Job::State {
         lock = std::make_unique<Scene::FrameLock>(scene);
     }
 
+    /// Makes the frame in a thread of its own. Where the system gives none, a caller who would wait makes it.
+    void launch(bool caller_waits)
+    {
+        try {
+            thread = std::thread([this] { run(); });
+        } catch (const std::system_error& refusal) {
+            if (!caller_waits)
+                throw error_without_file("the system gives no thread for the frame: " + refusal.code().message(), {},
+                                         Error::Kind::Output);
+            run();
+        }
+    }
+
     void run() noexcept
     {
+        const DefaultFloats floats;
         try {
             make_image();
         } catch (const std::bad_alloc&) {
@@ -274,20 +291,19 @@ Renderer::~Renderer() = default;
 
 Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint)
 {
-    return start(scene, camera, settings, std::move(checkpoint), true);
+    return start(scene, camera, settings, std::move(checkpoint), false);
 }
 
-Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint,
-                    bool keeps_checkpoint)
+Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint, bool caller_waits)
 {
     check_inputs(scene, camera, settings);
     if (state_->busy.exchange(true)) throw error_without_file("this renderer is busy with another frame");
     try {
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);
         job->resumed = std::move(checkpoint);
-        job->keeps_checkpoint = keeps_checkpoint;
+        job->keeps_checkpoint = !caller_waits;
         job->begin();
-        job->thread = std::thread([state = job.get()] { state->run(); });
+        job->launch(caller_waits);
         return Job(std::move(job));
     } catch (...) {
         state_->busy = false;
@@ -297,7 +313,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
 
 Image Renderer::render(Scene& scene, const Camera& camera, const Settings& settings)
 {
-    Job job = start(scene, camera, settings, {}, false);
+    Job job = start(scene, camera, settings, {}, true);
     {
         const std::lock_guard guard(state_->stats_mutex);  // another thread may have begun and ended its frame since
         state_->stats = job.stats();
@@ -314,6 +330,7 @@ SampleColor Renderer::replay(Scene& scene, const Camera& camera, const Settings&
         std::atomic<bool>& flag;
         ~Busy() { flag = false; }
     } const busy{state_->busy};
+    const DefaultFloats floats;
     Job::State frame(state_, scene, camera, settings);
     try {
         frame.begin();

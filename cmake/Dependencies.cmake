@@ -3,7 +3,6 @@
 find_package(Threads REQUIRED)
 find_package(glm REQUIRED)
 find_package(hwy REQUIRED)
-find_package(TBB REQUIRED)
 find_package(TinyGLTF REQUIRED)
 find_package(tinyobjloader REQUIRED)
 find_package(nlohmann_json REQUIRED)

@@ -57,5 +57,6 @@ function(occam_library)
     $<INSTALL_INTERFACE:include>
     $<INSTALL_INTERFACE:include/occam>)
   target_compile_features(occam PUBLIC cxx_std_20)
+  target_link_options(occam PRIVATE -Wl,-z,nodelete)  # threads are kept that wait in its code
   set_target_properties(occam PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR})
 endfunction()

@@ -10,7 +10,7 @@ if(OCCAM_QUICK_BUILD)
 endif()
 
 # Collects the names and versions of the libraries that --version prints.
-set(occam_libraries "oneTBB ${TBB_VERSION}, nlohmann json ${nlohmann_json_VERSION}, CLI11 ${CLI11_VERSION}, GLM ${glm_VERSION}")
+set(occam_libraries "nlohmann json ${nlohmann_json_VERSION}, CLI11 ${CLI11_VERSION}, GLM ${glm_VERSION}")
 string(APPEND occam_libraries ", Highway ${hwy_VERSION}, tinygltf ${TinyGLTF_VERSION}, tinyobjloader ${tinyobjloader_VERSION}")
 foreach(header_of_library "OpenImageIO;OpenImageIO/oiioversion.h;OIIO_VERSION_" "OpenSubdiv;opensubdiv/version.h;OPENSUBDIV_VERSION_")
   list(GET header_of_library 0 library)

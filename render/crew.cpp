@@ -1,11 +1,9 @@
 #include "render/crew.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 
 #include "base/cancellation.h"
-#include "render/lent_arena.h"
+#include "base/threads.h"
 
 namespace occam::render {
 
@@ -80,7 +78,7 @@ void Crew::make(const std::vector<PixelRect>& all, int target, Film& film, Frame
     const int threads = in_.resources.threads;
     TileQueue tiles(all, threads);
     // An error of one worker ends the frame, so the others stop where they are. They may not hide it by their own end.
-    const auto work = [&](int index) {
+    run_in_threads(threads, [&](int index) {
         try {
             make_tiles_of(index, tiles, target, film, control, sums);
         } catch (const Cancelled&) {
@@ -88,9 +86,7 @@ void Crew::make(const std::vector<PixelRect>& all, int target, Film& film, Frame
             control.cancel();
             throw;
         }
-    };
-    const LentArena arena(threads);
-    arena.execute([&] { tbb::parallel_for(0, threads, work, tbb::simple_partitioner()); });
+    });
 }
 
 void Crew::count_rays_into(FrameStats& stats) const

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 #include <mutex>
-#include <thread>
 #include <utility>
 
 #include "base/cancellation.h"
@@ -14,6 +13,7 @@
 #include "base/hash.h"
 #include "base/maths.h"
 #include "base/processors.h"
+#include "base/threads.h"
 #include "io/texture/decode_budget.h"
 #include "io/texture/texture_entry.h"
 #include "io/texture/tile_cache.h"
@@ -250,15 +250,12 @@ void TextureStore::decode_all()
     std::vector<TextureEntry*> all;
     for (const auto& [identity, entry] : state_->entries) all.push_back(entry.get());
     std::atomic<std::size_t> next{0};
-    const auto work = [&] {
+    const auto work = [&](int) {
         for (std::size_t i; (i = next.fetch_add(1)) < all.size();)
             if (all[i]->tiles()) all[i]->check_tiles();
             else all[i]->image(state_->unreadable);
     };
-    std::vector<std::jthread> workers;
-    const std::size_t threads = std::min<std::size_t>(all.size(), std::size_t(processor_count()));
-    for (std::size_t t = 1; t < threads; ++t) workers.emplace_back(work);
-    work();
+    run_in_threads(static_cast<int>(std::min<std::size_t>(all.size(), std::size_t(processor_count()))), work);
 }
 
 float TextureStore::texel_width(const TextureUse& use) const noexcept

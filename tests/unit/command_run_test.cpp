@@ -34,7 +34,7 @@ TEST_F(Command, VersionNamesTheLibraries)
 {
     const Outcome o = run({"--version"});
     EXPECT_EQ(o.exit_code, kDone);
-    for (const char* library : {"occam " OCCAM_PROJECT_VERSION "\n", "OpenSubdiv", "oneTBB", "OpenImageIO"})
+    for (const char* library : {"occam " OCCAM_PROJECT_VERSION "\n", "OpenSubdiv", "OpenImageIO"})
         EXPECT_NE(o.out.find(library), std::string::npos) << library;
 }
 

@@ -133,6 +133,7 @@ public:
     /// scene, camera and settings: the frame then continues from there, and its picture has the same bits as one that was
     /// never stopped. The job fails if the checkpoint belongs to another picture. Scenes are compared by a hash over all
     /// that they show; of an image in a file it knows the path, and of a cage on demand its name, bounds and materials.
+    /// Throws what render() throws, and Error if the system gives no thread for the frame; render() does without one.
     Job start(Scene& scene, const Camera& camera, const Settings& settings = {}, std::string checkpoint = {});
     /// Traces one sample of the picture that render() would make, and writes to `out` what each of its rays does and how
     /// each hit is shaded. Returns what the sample contributes, with the bits that it has in the picture. Throws Error for a
@@ -148,7 +149,7 @@ private:
     friend class Job;
     friend class Query;
     struct State;
-    Job start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint, bool keeps_checkpoint);
+    Job start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint, bool caller_waits);
     std::shared_ptr<State> state_;
 };
 
