@@ -87,7 +87,7 @@ if [ $long -eq 1 ]; then
     }
     # The thread sanitizer runs the tests in which threads meet.
     run tsan 'unit|hash|campaign' TSAN_OPTIONS=ignore_noninstrumented_modules=1 \
-        GTEST_FILTER='Api.*:Threads.*:*Shared*:*Quer*:Picture.*:Random*:Load.*:Progressive.*:Resume.*:Deadline.*:Cancel*:Workers.*:TextureStore.*:TiledTextures.*:Adaptive*:Memory.*:OnDemand*:Changing*:Trees.*:MovingTracer.*:Path.*:Holes.*'
+        GTEST_FILTER='Api.*:FramesOfThreads.*:Threads.*:*Shared*:*Quer*:Picture.*:Random*:Load.*:Progressive.*:Resume.*:Deadline.*:Cancel*:Workers.*:TextureStore.*:TiledTextures.*:Adaptive*:Memory.*:OnDemand*:Changing*:Trees.*:MovingTracer.*:Path.*:Holes.*'
     run clang all "$hashes" OCCAM_HASHES_MODE=compare
     fuzz 150
 fi

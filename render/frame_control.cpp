@@ -1,5 +1,7 @@
 #include "render/frame_control.h"
 
+#include <algorithm>
+
 #include "base/stopwatch.h"
 
 namespace occam::render {
@@ -8,7 +10,8 @@ FrameControl::Progress FrameControl::progress() const noexcept
 {
     Progress p;
     p.stage = stage_.load();
-    const std::size_t all = samples_, done = done_, before = done_before_;
+    const std::size_t all = samples_, before = done_before_;
+    const std::size_t done = std::min<std::size_t>(all, done_ + unfinished_);
     const bool is_done = p.stage == Stage::Done;
     if (is_done) p.seconds_left = 0;
     if ((p.stage != Stage::Rendering && !is_done) || all == 0) return p;

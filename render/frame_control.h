@@ -15,7 +15,8 @@ public:
 
     struct Progress {
         Stage stage = Stage::Waiting;
-        /// Share of the samples that are done. Of a frame that was stopped it stays below 1: Stage::Done says that it ended.
+        /// Share of the samples that are done, or made for tiles that are not finished. Of a frame that was stopped it
+        /// stays below 1, without those: Stage::Done says that it ended.
         double fraction = 0;
         double seconds_left = -1;  ///< an estimate from the samples so far; below 0: unknown
     };
@@ -31,13 +32,30 @@ public:
     /// done      how many of these an earlier run has made
     void start_samples(std::size_t samples, std::size_t done) noexcept;
     void finish_samples(std::size_t count) noexcept { done_ += count; }
+    /// Counts samples that are made as long as their tiles are not finished.
+    class Unfinished {
+    public:
+        explicit Unfinished(FrameControl& control) noexcept : control_(control) {}
+        ~Unfinished() { control_.unfinished_ -= count_; }
+        Unfinished(const Unfinished&) = delete;
+        Unfinished& operator=(const Unfinished&) = delete;
+        void add(std::size_t count) noexcept
+        {
+            count_ += count;
+            control_.unfinished_ += count;
+        }
+
+    private:
+        FrameControl& control_;
+        std::size_t count_ = 0;
+    };
     bool is_whole() const noexcept { return done_ == samples_; }
 
 private:
     using Clock = std::chrono::steady_clock;
     std::atomic<bool> cancelled_ = false;
     std::atomic<Stage> stage_ = Stage::Waiting;
-    std::atomic<std::size_t> samples_ = 0, done_ = 0, done_before_ = 0;
+    std::atomic<std::size_t> samples_ = 0, done_ = 0, unfinished_ = 0, done_before_ = 0;
     std::atomic<Clock::time_point> start_ = Clock::time_point{};
 };
 

@@ -119,7 +119,7 @@ struct Settings {
 
 /// The resources for rendering. They have no influence on the picture, except for what `texture_bytes` says.
 struct Resources {
-    int threads = 0;  ///< 0: one for each processor
+    int threads = 0;  ///< 0: one for each processor; those that the system refuses are done without
     /// The memory for what is rebuilt in each frame, all workers together; 0 means a quarter of the machine's, but no
     /// more than 3 GB, or 512 MB for each thread if that is more.
     /// Renderer::memory_floor() returns the least with which a frame is begun.

@@ -112,6 +112,7 @@ bool Worker::make_samples(std::span<const PixelRect> tiles, int before, int targ
     if (is_check(before)) end_clean_pixels(tiles);  // as they did when their last samples were made
     const std::uint64_t not_finite = count_not_finite(), samples_before = samples_made_;
     const double cells = integrator_.counters().visible_cells;
+    FrameControl::Unfinished unfinished(control);
     int made = before;
     bool is_stopped = false;
     while (made < target && !going_.empty()) {
@@ -121,6 +122,7 @@ bool Worker::make_samples(std::span<const PixelRect> tiles, int before, int targ
         const int last = std::min({made + step, next_check(made), target});
         is_stopped = !trace(made, last);
         if (is_stopped) break;
+        unfinished.add(tiles.size() * static_cast<std::size_t>(last - made));
         made = last;
         if (made == spp) going_.clear();
         else if (is_check(made)) end_clean_pixels(tiles);

@@ -242,6 +242,21 @@ TEST(Progressive, TheProgressOfAPictureThatWasStoppedIsItsShare)
     EXPECT_EQ(whole.progress().fraction, 1);
 }
 
+TEST(Progressive, TheProgressGrowsWhileATileIsMade)
+{
+    ProgressiveScene subject;
+    subject.settings.width = subject.settings.height = 8;
+    subject.settings.spp = 1 << 16;
+    subject.settings.progressive = false;
+    Renderer renderer({.threads = 1});
+    Job job = renderer.start(subject.scene, subject.camera, subject.settings);
+    while (!(job.progress().fraction > 0)) job.wait_for(1ms);
+    EXPECT_LT(job.progress().fraction, 0.9);  // the tile is all of the picture
+    job.cancel();
+    job.wait();
+    EXPECT_EQ(job.progress().fraction, 0);  // and it was not finished
+}
+
 TEST(Progressive, ACheckpointWithTexturesOfOtherSizesIsRefused)
 {
     Scene scene;
