@@ -88,15 +88,17 @@ LayerAlbedo in_row(const Row& row, float root_of_cosine) noexcept
 
 }  // namespace
 
-const AlbedoTable& AlbedoTable::instance()
+AlbedoTable& AlbedoTable::table() noexcept
 {
-    static const AlbedoTable table;
+    static AlbedoTable table;
     return table;
 }
 
 AlbedoTable::Row AlbedoTable::row_of(float alpha) noexcept
 {
-    return table_place((row_root(alpha) - kLeastRoot) / (1 - kLeastRoot), kRoughnesses);
+    const Row row = table_place((row_root(alpha) - kLeastRoot) / (1 - kLeastRoot), kRoughnesses);
+    table().make_beside(static_cast<std::size_t>(row.below));
+    return row;
 }
 
 namespace {
@@ -133,7 +135,10 @@ LayerAlbedoOf<vfloat> mix_neighbours(Node&& node, vfloat share) noexcept
 
 AlbedoTable::RowLanes AlbedoTable::row_of(vfloat alpha) noexcept
 {
-    return places_of((sqrt(sqrt(max(alpha, vfloat(0.0f)))) - kLeastRoot) / (1 - kLeastRoot), kRoughnesses);
+    const RowLanes rows = places_of((sqrt(sqrt(max(alpha, vfloat(0.0f)))) - kLeastRoot) / (1 - kLeastRoot), kRoughnesses);
+    AlbedoTable& all = table();
+    for (const std::size_t below : rows.below) all.make_beside(below);
+    return rows;
 }
 
 LayerAlbedoOf<vfloat> AlbedoTable::at(vfloat cosine, const RowLanes& r) const noexcept
@@ -151,29 +156,30 @@ LayerAlbedoOf<vfloat> AlbedoTable::mean(const RowLanes& r) const noexcept
     return mix_neighbours([&](int i) { return &means_[r.below[i]]; }, r.share);
 }
 
-AlbedoTable::AlbedoTable()
+void AlbedoTable::make(std::size_t r) noexcept
 {
-    const Disc disc;
-    for (int r = 0; r < kRoughnesses; ++r) {
-        const float root = kLeastRoot + (1 - kLeastRoot) * static_cast<float>(r) / (kRoughnesses - 1);
-        const float alpha = root * root * root * root;
-        auto& row = rows_[static_cast<std::size_t>(r)];
-        for (int c = 0; c < kCosines; ++c) {
-            const float root_of_cosine = std::max(static_cast<float>(c), 0.05f) / (kCosines - 1);
-            row[static_cast<std::size_t>(c)] = integrate(disc, root_of_cosine * root_of_cosine, alpha);
-        }
-        // The mean is that of the interpolated row, so that lobes made of both neither lose nor gain light.
-        double f0 = 0, f90 = 0;
-        constexpr int kSteps = 16 * (kCosines - 1);
-        for (int i = 0; i < kSteps; ++i) {
-            const double of_cosine = (i + 0.5) / kSteps;
-            const LayerAlbedo e = in_row(row, static_cast<float>(of_cosine));
-            const double weight = 4 * of_cosine * of_cosine * of_cosine / kSteps;  // 2 cos d(cos), cos = root^2
-            f0 += weight * double(e.f0);
-            f90 += weight * double(e.f90);
-        }
-        means_[static_cast<std::size_t>(r)] = {static_cast<float>(f0), static_cast<float>(f90)};
+    static const Disc disc;
+    const std::lock_guard lock(making_);
+    if (is_made_[r].load(std::memory_order_relaxed)) return;
+    const float root = kLeastRoot + (1 - kLeastRoot) * static_cast<float>(r) / (kRoughnesses - 1);
+    const float alpha = root * root * root * root;
+    auto& row = rows_[r];
+    for (int c = 0; c < kCosines; ++c) {
+        const float root_of_cosine = std::max(static_cast<float>(c), 0.05f) / (kCosines - 1);
+        row[static_cast<std::size_t>(c)] = integrate(disc, root_of_cosine * root_of_cosine, alpha);
     }
+    // The mean is that of the interpolated row, so that lobes made of both neither lose nor gain light.
+    double f0 = 0, f90 = 0;
+    constexpr int kSteps = 16 * (kCosines - 1);
+    for (int i = 0; i < kSteps; ++i) {
+        const double of_cosine = (i + 0.5) / kSteps;
+        const LayerAlbedo e = in_row(row, static_cast<float>(of_cosine));
+        const double weight = 4 * of_cosine * of_cosine * of_cosine / kSteps;  // 2 cos d(cos), cos = root^2
+        f0 += weight * double(e.f0);
+        f90 += weight * double(e.f90);
+    }
+    means_[r] = {static_cast<float>(f0), static_cast<float>(f90)};
+    is_made_[r].store(true, std::memory_order_release);
 }
 
 LayerAlbedo AlbedoTable::at(float cosine, Row r) const noexcept

@@ -5,12 +5,15 @@
 // the eye and the roughness (the split of Karis 2013). The rest to one is light that several microfacets scatter. It is
 // given back as a lobe (Kulla and Conty 2017), and the base receives what the layer does not reflect.
 //
-// Memory   two tables of 64 x 48 floats, made once per process on first use (some 10 ms), and read only from then on.
+// Memory   two tables of 64 x 48 floats. A row, of one roughness, is made once per process on first use (some 0.2 ms), and
+//          read only from then on.
 // Threads  any.
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
+#include <mutex>
 
 #include "base/simd.h"
 #include "shade/table_place.h"
@@ -27,11 +30,12 @@ using LayerAlbedo = LayerAlbedoOf<float>;
 
 class AlbedoTable {
 public:
-    static const AlbedoTable& instance();
+    static const AlbedoTable& instance() noexcept { return table(); }
 
     /// A place between two roughnesses of the table.
     using Row = TablePlace;
-    /// Returns the place of a GGX width.
+    /// Returns the place of a GGX width, and makes the rows beside it if they are not there. Whoever asks for an albedo has
+    /// its place from here.
     static Row row_of(float alpha) noexcept;
 
     /// Returns the albedo for a cosine in [0, 1]; `alpha` is the GGX width.
@@ -53,10 +57,20 @@ private:
     static constexpr int kCosines = 64;      ///< nodes, evenly spaced in the square root of the cosine
     static constexpr int kRoughnesses = 48;  ///< nodes, evenly spaced in the fourth root of alpha, from that of kMinAlpha on
 
-    AlbedoTable();
+    AlbedoTable() = default;
+    /// Makes the rows below and above a place unless they are there.
+    void make_beside(std::size_t below) noexcept
+    {
+        for (std::size_t r = below; r < below + 2; ++r)
+            if (!is_made_[r].load(std::memory_order_acquire)) make(r);
+    }
+    void make(std::size_t r) noexcept;
+    static AlbedoTable& table() noexcept;
 
     std::array<std::array<LayerAlbedo, kCosines>, kRoughnesses> rows_;
     std::array<LayerAlbedo, kRoughnesses> means_;
+    std::array<std::atomic<bool>, kRoughnesses> is_made_{};
+    std::mutex making_;
 };
 
 }  // namespace occam::shade
