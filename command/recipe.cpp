@@ -43,8 +43,12 @@ public:
         if (!fs::is_regular_file(file, error)) return add(-1);
         std::ifstream in(file, std::ios::binary);
         std::string block(std::size_t(1) << 16, '\0');
-        while (in.read(block.data(), static_cast<std::streamsize>(block.size())) || in.gcount() > 0)
-            hash_ = fnv1a(block.data(), static_cast<std::size_t>(in.gcount()), hash_);
+        std::uint64_t size = 0;
+        while (in.read(block.data(), static_cast<std::streamsize>(block.size())) || in.gcount() > 0) {
+            hash_ = hash_in_eights(block.data(), static_cast<std::size_t>(in.gcount()), hash_);
+            size += static_cast<std::uint64_t>(in.gcount());
+        }
+        add(size);
     }
     /// Adds the size of a file, and its bytes; of a large one those at both ends.
     void add_ends_of(const fs::path& file)

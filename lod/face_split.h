@@ -14,10 +14,11 @@
 
 namespace occam::lod {
 
-/// A triangle's box and its index.
-struct BoxedFace {
+/// A triangle's box and its index. Its eight words are read at once.
+struct alignas(32) BoxedFace {
     Box3f box;
     std::uint32_t face = 0;
+    std::uint32_t unused = 0;  ///< so that copies are of two times sixteen bytes: parts that overlap wait for each other
 };
 
 /// The number of triangles that are tested at once. The cost of a part is counted in blocks of this size.

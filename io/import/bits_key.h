@@ -17,7 +17,8 @@ struct BitsHash {
     std::size_t operator()(const BitsKey<N>& key) const noexcept
     {
         std::uint64_t mixed = 0;
-        for (const std::uint32_t word : key) mixed = mix_bits(mixed ^ word);
+        for (std::size_t i = 0; i < N; i += 2)
+            mixed = mix_bits(mixed ^ key[i] ^ std::uint64_t(i + 1 < N ? key[i + 1] : 0) << 32);
         return static_cast<std::size_t>(mixed);
     }
 };

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <unordered_map>
-#include <unordered_set>
 
 #include "io/import/bits_key.h"
+#include "io/import/key_numbers.h"
 #include "scenegraph/contents.h"
 
 namespace occam::import {
@@ -37,17 +36,17 @@ double boxes_on_a_ray(const Cage& cage)
     return sum / Contents::size_of(whole);
 }
 
-// Returns for each vertex the first one that is in the same place.
-std::vector<std::uint32_t> first_in_place(const Cage& cage)
+// Returns a number for the place of each vertex. Vertices of a mesh that is deformed have places of their own.
+std::vector<std::uint32_t> places_of(const Cage& cage)
 {
-    std::vector<std::uint32_t> first(cage.positions.size());
+    std::vector<std::uint32_t> place(cage.positions.size());
     const bool is_deformed = cage.skin.sets > 0 || !cage.morph_targets.empty();
-    std::unordered_map<BitsKey<3>, std::uint32_t, BitsHash> known;
-    for (std::uint32_t v = 0; v < first.size(); ++v) {
+    KeyNumbers<3> places;
+    for (std::uint32_t v = 0; v < place.size(); ++v) {
         const Vec3f p = cage.positions[v];
-        first[v] = is_deformed ? v : known.try_emplace({bits_of(p.x), bits_of(p.y), bits_of(p.z)}, v).first->second;
+        place[v] = is_deformed ? v : places.number_of({bits_of(p.x), bits_of(p.y), bits_of(p.z)});
     }
-    return first;
+    return place;
 }
 
 template <class T>
@@ -66,15 +65,16 @@ void drop_same_triangles(Cage& cage, Report& report)
 {
     const std::size_t triangles = cage.face_vertices.size() / 3;
     if (triangles < kFewTriangles || !has_all_corners(cage) || !(boxes_on_a_ray(cage) > kFewBoxes)) return;
-    const std::vector<std::uint32_t> place = first_in_place(cage);
-    std::unordered_set<BitsKey<3>, BitsHash> known;
+    const std::vector<std::uint32_t> place = places_of(cage);
+    KeyNumbers<3> known;
     std::vector<bool> is_kept(triangles);
     std::size_t kept = 0;
     for (std::size_t t = 0; t < triangles; ++t) {
         BitsKey<3> corners;
         for (std::size_t k = 0; k < 3; ++k) corners[k] = place[cage.face_vertices[3 * t + k]];
         std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
-        is_kept[t] = known.insert(corners).second;
+        const std::size_t before = known.size();
+        is_kept[t] = known.number_of(corners) == before;
         kept += is_kept[t];
     }
     if (kept == triangles) return;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <iterator>
-#include <unordered_map>
 
 #include "io/import/bits_key.h"
+#include "io/import/key_numbers.h"
 #include "io/import/polygons.h"
 
 namespace occam::import {
@@ -55,7 +55,7 @@ void weld_values(std::vector<Vec>& values, std::vector<std::uint32_t>& indices, 
                  const Renumbering& renumbering)
 {
     constexpr std::size_t kFloats = Vec::length();
-    std::unordered_map<BitsKey<kFloats + 1>, std::uint32_t, BitsHash> known;
+    KeyNumbers<kFloats + 1> known;
     std::vector<Vec> kept;
     for (const std::uint32_t v : cage.face_vertices) {
         if (v >= values.size()) {
@@ -64,9 +64,8 @@ void weld_values(std::vector<Vec>& values, std::vector<std::uint32_t>& indices, 
         }
         BitsKey<kFloats + 1> key{renumbering.new_of[v]};
         for (std::size_t i = 0; i < kFloats; ++i) key[i + 1] = bits_of(values[v][static_cast<int>(i)]);
-        const auto [entry, is_new] = known.try_emplace(key, static_cast<std::uint32_t>(kept.size()));
-        if (is_new) kept.push_back(values[v]);
-        indices.push_back(entry->second);
+        indices.push_back(known.number_of(key));
+        if (indices.back() == kept.size()) kept.push_back(values[v]);
     }
     values = std::move(kept);
 }
@@ -103,13 +102,11 @@ std::optional<std::vector<std::uint32_t>> choose_used_vertices(std::vector<std::
 void weld_by_position(Cage& cage)
 {
     Renumbering renumbering;
-    std::unordered_map<BitsKey<3>, std::uint32_t, BitsHash> at;
-    for (Vec3f p : cage.positions) {
-        const auto [entry, is_new] = at.try_emplace({bits_of(p.x), bits_of(p.y), bits_of(p.z)},
-                                                    static_cast<std::uint32_t>(at.size()));
-        renumbering.new_of.push_back(entry->second);
-    }
-    renumbering.count = at.size();
+    KeyNumbers<3> places;
+    renumbering.new_of.reserve(cage.positions.size());
+    for (Vec3f p : cage.positions)
+        renumbering.new_of.push_back(places.number_of({bits_of(p.x), bits_of(p.y), bits_of(p.z)}));
+    renumbering.count = places.size();
     cage.normals.clear();
     for (UvSet& set : cage.uv_sets)
         if (set.indices.empty()) weld_values(set.values, set.indices, cage, renumbering);
