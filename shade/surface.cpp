@@ -55,7 +55,8 @@ MapAxes axes_of(const TextureUse& use, Vec3f outward, const ShadePoint& p) noexc
     return {right, glm::cross(outward, right) * (uv.sign * hand)};
 }
 
-// Returns the normal from a map (glTF 2.0, sec. 3.9.3), about the interpolated normal and on its side.
+// Returns the normal from a map (glTF 2.0, sec. 3.9.3), about the interpolated normal. A texel whose z is negative leads
+// below the surface.
 Vec3f mapped_normal(const TextureUse& use, Vec3f t, float scale, const ShadePoint& p) noexcept
 {
     if (!use) return p.normal_shading;
@@ -74,14 +75,16 @@ constexpr float kLeastLift = 0.25f;
 
 // Returns the shading normal, tilted towards the eye as far as it takes for a mirror to reflect the eye's ray to above
 // the facet. Rays that a normal map, or the interpolation over a coarse mesh, sends below it would be lost, and leave
-// black rings on metals (Keller et al. 2017). A normal that turns away from the eye is tilted in the same way.
+// black rings on metals (Keller et al. 2017). A normal that turns away from the eye is tilted as one across the eye's ray
+// is. So the normal is on the side of the eye, and on that of the facet.
 Vec3f reflecting_normal(Vec3f normal, const ShadePoint& p) noexcept
 {
     const Vec3f facet = p.normal_geometric;
     const float lift = kLeastLift * std::max(glm::dot(facet, p.to_eye), 0.0f);
-    const Vec3f reflected = normal * (2 * glm::dot(normal, p.to_eye)) - p.to_eye;
+    const float cosine = glm::dot(normal, p.to_eye);
+    const Vec3f reflected = normal * (2 * std::max(cosine, 0.0f)) - p.to_eye;
     const float height = glm::dot(facet, reflected);
-    if (height >= lift) return normal;
+    if (cosine > 0 && height >= lift) return normal;
     const Vec3f along = reflected - facet * height;
     const float length = glm::length(along);
     if (!(length > 1e-6f)) return facet;
@@ -187,18 +190,22 @@ void add_transmission(const Material& m, const MaterialValues& values, const Die
     s.transmittance += s.opacity * tint * (1 - reflected);
 }
 
-// Returns whether light passes a pane here, or the surface of a body that bends it.
-bool is_glass_in_part(const Material& m, const MaterialValues& values) noexcept
+// Returns the share of the surface that is a pane, or the boundary of a body that bends light.
+float glass_share(const Material& m, const MaterialValues& values) noexcept
 {
-    return m.transmission > 0 && values.transmission > 0 && values.metallic < 1 && !is_straight_body(m);
+    if (!(m.transmission > 0) || is_straight_body(m)) return 0;
+    return std::min(values.transmission, 1.0f) * (1 - std::clamp(values.metallic, 0.0f, 1.0f));
 }
 
 // Applies KHR_materials_anisotropy: the width along the strokes grows to 1 with the square of the strength. Glass stays
-// isotropic: its two lobes share one distribution.
+// isotropic: its two lobes share one distribution. So strokes fade until a thirty-second of the surface is glass: with few
+// strokes that much loses no light to speak of, and a metal keeps its strokes if rounding says that it is glass in part.
 void add_anisotropy(const Material& m, const MaterialValues& values, const ShadePoint& p, Surface& s) noexcept
 {
-    const float strength = std::clamp(m.anisotropy * values.anisotropy.z, 0.0f, 1.0f);
-    if (!(strength > 0) || is_glass_in_part(m, values)) return;
+    constexpr float kMostGlass = 1.0f / 32;
+    const float of_strokes = 1 - glass_share(m, values) / kMostGlass;
+    const float strength = std::clamp(m.anisotropy * values.anisotropy.z, 0.0f, 1.0f) * of_strokes;
+    if (!(strength > 0)) return;
     const float c = maths::cos(m.anisotropy_rotation), si = maths::sin(m.anisotropy_rotation);
     const float x = values.anisotropy.x, y = values.anisotropy.y;
     const MapAxes axes = axes_of(m.anisotropy_texture, p.back_side ? -p.normal_shading : p.normal_shading, p);

@@ -58,6 +58,37 @@ TEST(MixedMetals, ReflectAllOfAUniformSkyIfTheyAreWhite)
             }
 }
 
+// Texels and values between vertices are rounded, so that a metal may be glass by a ten-millionth.
+TEST(MixedMetals, KeepTheirStrokesIfHardlyAnyOfThemIsGlass)
+{
+    const auto strokes_of = [](float metallic) {
+        Material m = material_of(metallic, 0.3f);
+        m.transmission = 1;
+        m.anisotropy = 0.8f;
+        return surface_of(m, 0.8f);
+    };
+    const Surface metal = strokes_of(1), nearly = strokes_of(0.9999999f), half = strokes_of(0.5f);
+    EXPECT_GT(metal.alpha_along, 3 * metal.alpha_across);
+    EXPECT_NEAR(nearly.alpha_along, metal.alpha_along, 1e-4f);
+    EXPECT_EQ(half.tangent, Vec3f(0));
+}
+
+// Strokes fade until a thirty-second of the surface is glass.
+TEST(MixedMetals, LoseNoLightWhereTheirStrokesFade)
+{
+    for (const float roughness : {0.2f, 0.5f})
+        for (const float thickness : {0.0f, 1.0f})
+            for (const float glass : {0.005f, 0.01f, 0.02f, 0.03f})
+                for (const float cos_eye : kCosines) {
+                    Material m = material_of(1 - glass, roughness);
+                    m.transmission = 1;
+                    m.thickness = thickness;
+                    m.anisotropy = 1;
+                    EXPECT_NEAR(furnace(surface_of(m, cos_eye)), 1, kWhite)
+                        << roughness << ' ' << thickness << ' ' << glass << ' ' << cos_eye;
+                }
+}
+
 /// Whatever the colours of the parts and what lies over them, the mix is the mean of the dielectric and the metal.
 TEST(MixedMetals, AreAsBrightAsTheirPartsTogether)
 {
