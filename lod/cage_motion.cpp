@@ -56,7 +56,12 @@ CageMotion::CageMotion(const CageSlot& slot, const Node& node, const SkinSlot* s
         moves_weights_ = moves_weights_ || (!slot.cage.morph_targets.empty() && key.morph_weights != node.morph_weights);
     }
     changes_ = int(moves_maps_) + int(moves_weights_) + int(moves_positions_);
-    if (slot.cage.is_displaced() && changes_ == 1 && !moves_maps_) faces_ = faces_of(slot.cage);
+    if (changes_ != 1 || moves_maps_) return;
+    // Meshes have normals of their own, or those of their triangles.
+    constexpr std::size_t kFaces = 4096;
+    if (slot.cage.is_displaced()) faces_ = faces_of(slot.cage);
+    else if (segments > 1 && slot.cage.scheme != Scheme::Triangles)
+        faces_ = faces_of(slot.cage, (slot.cage.face_count() + kFaces - 1) / kFaces);
 }
 
 Box3d CageMotion::world_box_at(int key) const
@@ -130,18 +135,29 @@ double CageMotion::deviation_of_positions(int key, int before, int after) const
     return std::sqrt(squared) * stretch_bound(world(0));
 }
 
+Vec3d CageMotion::normal_at(int key, FaceVertices face) const
+{
+    const CagePose at = pose(key);
+    return face_normal(face, [&](std::uint32_t v) { return morphed(slot_.cage, at.positions, at.morph_weights, v); });
+}
+
 double CageMotion::deviation_of_displacement(int key, int before, int after) const
 {
-    const auto normal_at = [&](int k, FaceVertices face) {
-        const CagePose at = pose(k);
-        return face_normal(face, [&](std::uint32_t v) { return morphed(slot_.cage, at.positions, at.morph_weights, v); });
-    };
     const double share = share_of(key, before, after);
     double farthest = 0;
     for (const FaceVertices face : faces_)
         farthest = std::max(
             farthest, glm::distance(normal_at(key, face), glm::mix(normal_at(before, face), normal_at(after, face), share)));
     return farthest * double(slot_.cage.displacement->bound) * stretch_bound(world(0));
+}
+
+bool CageMotion::keeps_normals(int key, int before, int after) const
+{
+    const double share = share_of(key, before, after), least = std::cos(kMostTurn);
+    return std::all_of(faces_.begin(), faces_.end(), [&](FaceVertices face) {
+        const Vec3d between = glm::mix(normal_at(before, face), normal_at(after, face), share), at = normal_at(key, face);
+        return at == Vec3d(0) || glm::dot(between, at) >= least * glm::length(between);
+    });
 }
 
 double CageMotion::least_distance_across(Vec3d eye) const
@@ -202,7 +218,8 @@ int CageMotion::segments(const std::function<double(int key)>& tolerance) const
         bool is_near = true;
         for (int key = 0; key < segments_ && is_near; ++key) {
             const int before = key / step * step;
-            if (key != before) is_near = deviation(key, before, before + step) <= tolerance(key);
+            if (key == before) continue;
+            is_near = deviation(key, before, before + step) <= tolerance(key) && keeps_normals(key, before, before + step);
         }
         if (is_near) return segments;
     }

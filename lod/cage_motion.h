@@ -28,6 +28,9 @@ struct PosingTools {
 
 class CageMotion {
 public:
+    /// How far a normal between two keys may be from that of the surface, in radians.
+    static constexpr double kMostTurn = 0.05;
+
     /// Borrows its arguments.
     /// skin              the node's, or null
     /// world_from_node   at each key of the shutter, or once if the placement stands still
@@ -40,7 +43,7 @@ public:
     /// Returns a box, in world axes, that the cage never leaves.
     Box3d world_box() const noexcept;
     /// Returns the least power of two of segments with which no control point is farther than `tolerance` from where the
-    /// scene's keys have it.
+    /// scene's keys have it, and no normal that vertices turn by moving against each other is off by more than kMostTurn.
     int segments(double tolerance) const
     {
         return segments([tolerance](int) { return tolerance; });
@@ -91,6 +94,10 @@ private:
     double deviation_of_positions(int key, int before, int after) const;
     /// What the normals' turning adds, where vertices move.
     double deviation_of_displacement(int key, int before, int after) const;
+    /// Returns whether the normals between two keys are about those that a key between them has. Of many faces some are
+    /// seen.
+    bool keeps_normals(int key, int before, int after) const;
+    Vec3d normal_at(int key, FaceVertices face) const;
 
     const CageSlot& slot_;
     const Node& node_;
@@ -100,7 +107,7 @@ private:
     bool is_skinned_;
     bool moves_maps_ = false, moves_weights_ = false, moves_positions_ = false;
     int changes_ = 0;                  ///< how many of these are true
-    std::vector<FaceVertices> faces_;  ///< if the normals' turning counts: all of them
+    std::vector<FaceVertices> faces_;  ///< if the normals' turning counts: some of them, or all of a displaced cage
 };
 
 /// Returns how far control points in the box may be from where the scene's keys have them, unseen:

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -247,6 +248,33 @@ TEST(MotionKeys, OfWrittenVerticesFollowEachFaceThatTurns)
             of_cage(displaced.scene, displaced.cage, motion, [](const lod::CageMotion& m) { return m.segments(0.02); }), 8)
             << side;
     }
+}
+
+// A torus is flattened to a 50th of its height along straight lines. Half-way its normals are not half-way between those at
+// both ends.
+TEST(MotionKeys, OfWhatFlattensFollowItsNormals)
+{
+    const auto segments = [](const Cage& cage, const std::function<Vec3f(Vec3f, float)>& vertex) {
+        Motion motion{"straight", 32, {}, {}, {}, {}};
+        motion.vertex = [&](Vec3f p, double tau) { return vertex(p, static_cast<float>(tau)); };
+        Scene scene;
+        return of_cage(scene, cage, motion, [](const lod::CageMotion& m) { return m.segments(100); });
+    };
+    const int count = segments(torus(), [](Vec3f p, float tau) { return Vec3f(p.x, p.y * (1 - 0.98f * tau), p.z); });
+    EXPECT_GE(count, 4);
+    for (int k = 0; k < count; ++k)
+        for (const double slope : {0.1, 1.0, 10.0}) {
+            const auto normal = [&](double tau) { return glm::normalize(Vec3d(slope * (1 - 0.98 * tau), 1, 0)); };
+            const Vec3d between = glm::normalize(normal(k / double(count)) + normal((k + 1) / double(count)));
+            EXPECT_GT(glm::dot(between, normal((k + 0.5) / count)), std::cos(1.1 * lod::CageMotion::kMostTurn)) << slope;
+        }
+    EXPECT_EQ(segments(torus(), [](Vec3f p, float tau) { return p + Vec3f(0, 0, 9 * tau); }), 1) << "sliding turns nothing";
+    Cage triangle;
+    triangle.scheme = Scheme::Triangles;
+    triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    triangle.face_vertices = {0, 1, 2};
+    EXPECT_EQ(segments(triangle, [](Vec3f p, float tau) { return p + Vec3f(0, 0, tau * p.x); }), 1)
+        << "the normal of a triangle is that of its corners at each time";
 }
 
 TEST(MotionDetail, IsNoCoarserThanFourPixelsAndNeedsToKnowTheSamples)
