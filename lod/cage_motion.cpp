@@ -153,10 +153,9 @@ double CageMotion::deviation_of_displacement(int key, int before, int after) con
 
 bool CageMotion::keeps_normals(int key, int before, int after) const
 {
-    const double share = share_of(key, before, after), least = std::cos(kMostTurn);
+    const double share = share_of(key, before, after);
     return std::all_of(faces_.begin(), faces_.end(), [&](FaceVertices face) {
-        const Vec3d between = glm::mix(normal_at(before, face), normal_at(after, face), share), at = normal_at(key, face);
-        return at == Vec3d(0) || glm::dot(between, at) >= least * glm::length(between);
+        return is_near_normal(glm::mix(normal_at(before, face), normal_at(after, face), share), normal_at(key, face));
     });
 }
 

@@ -28,9 +28,6 @@ struct PosingTools {
 
 class CageMotion {
 public:
-    /// How far a normal between two keys may be from that of the surface, in radians.
-    static constexpr double kMostTurn = 0.05;
-
     /// Borrows its arguments.
     /// skin              the node's, or null
     /// world_from_node   at each key of the shutter, or once if the placement stands still

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -34,6 +35,16 @@ inline constexpr std::size_t kSomeFaces = 128;
 inline std::vector<FaceVertices> some_faces(const Cage& cage)
 {
     return faces_of(cage, std::max<std::size_t>(1, (cage.face_count() + kSomeFaces - 1) / kSomeFaces));
+}
+
+/// How far the normal of a face between two keys of a motion may be from that of the surface, in radians. Interpolated
+/// normals are off where vertices move against each other, even along straight lines.
+inline constexpr double kMostTurn = 0.05;
+/// Returns whether a normal that is interpolated between keys is near enough to that which the face has then, which is 0 if
+/// it has none.
+inline bool is_near_normal(Vec3d interpolated, Vec3d normal) noexcept
+{
+    return normal == Vec3d(0) || glm::dot(interpolated, normal) >= std::cos(kMostTurn) * glm::length(interpolated);
 }
 
 /// Returns a vertex as morph targets move it.

@@ -87,6 +87,12 @@ public:
                }))
             needed_ *= 2;
     }
+    /// Takes the normal of a face: what it is at each key.
+    void add_normals(const std::vector<Vec3d>& at)
+    {
+        while (needed_ < most_ && any_key([&](const Segment& s) { return !is_near_normal(s.chord(at), at[s.key]); }))
+            needed_ *= 2;
+    }
     /// Takes the visibility of a node, which changes only at the keys of segments.
     void add_visibility(const std::vector<NodeKey>& keys)
     {
@@ -115,18 +121,22 @@ private:
     PathTolerance tolerance_;
 };
 
-// Shows the paths of points of a displaced cage whose vertices move, at both ends of what displacement may add. They go with
-// the normal, which turns even if vertices move along straight lines.
-// position_at   returns a vertex at a key
+// Shows the normals of a cage whose vertices move against each other, but for those of triangles, which are not
+// interpolated. Of a displaced cage it shows the paths of points at both ends of what displacement may add. They go with the
+// normal, which turns even if vertices move along straight lines. position_at   returns a vertex at a key
 template <class PositionAt>
-void add_displaced_points(SegmentCount& count, const Place& place, const Cage& cage, PositionAt&& position_at)
+void add_normals(SegmentCount& count, const Place& place, const Cage& cage, PositionAt&& position_at)
 {
-    if (!cage.is_displaced()) return;
-    std::vector<Vec3d> out(count.most() + 1), in(count.most() + 1);
+    if (cage.scheme == Scheme::Triangles) return;
+    std::vector<Vec3d> normals(count.most() + 1), out(normals), in(normals);
     for (const FaceVertices face : some_faces(cage)) {
-        for (std::size_t k = 0; k < out.size() && !count.is_decided(); ++k) {
-            const Vec3d normal = face_normal(face, [&](std::uint32_t v) { return position_at(k, v); });
-            const Vec3d offset = normal * double(cage.displacement->bound), at = position_at(k, face[0]);
+        if (count.is_decided()) return;
+        for (std::size_t k = 0; k < normals.size(); ++k)
+            normals[k] = face_normal(face, [&](std::uint32_t v) { return position_at(k, v); });
+        count.add_normals(normals);
+        if (!cage.is_displaced()) continue;
+        for (std::size_t k = 0; k < normals.size(); ++k) {
+            const Vec3d offset = normals[k] * double(cage.displacement->bound), at = position_at(k, face[0]);
             out[k] = transform_point(place.at(k), at + offset);
             in[k] = transform_point(place.at(k), at - offset);
         }
@@ -146,8 +156,7 @@ void add_rigid_cage(SegmentCount& count, const Place& place, const CageSlot& slo
             path[k] = transform_point(place.at(k), Vec3d(slot.key_positions[k][v]));
         count.add_path(path);
     }
-    add_displaced_points(count, place, slot.cage,
-                         [&](std::size_t k, std::uint32_t v) { return Vec3d(slot.key_positions[k][v]); });
+    add_normals(count, place, slot.cage, [&](std::size_t k, std::uint32_t v) { return Vec3d(slot.key_positions[k][v]); });
 }
 
 // The morph targets of a placed cage.
@@ -208,7 +217,7 @@ void add_deformed_cage(SegmentCount& count, const Place& place, const Node& node
     if (!is_skinned) {
         add_box(deform.rest, 0);
         if (morphs.moving.empty()) return;
-        return add_displaced_points(count, place, slot.cage, [&](std::size_t k, std::uint32_t v) {
+        return add_normals(count, place, slot.cage, [&](std::size_t k, std::uint32_t v) {
             return morphed(slot.cage, slot.cage.positions, morphs.all[k], v);
         });
     }

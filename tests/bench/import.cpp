@@ -1,5 +1,6 @@
 // The suite reads an OBJ and a GLB file of 100 MB into scenes, beside the parser libraries alone: tinyobjloader's usual
-// reader, and its callbacks that keep nothing; and tinygltf's model, which holds the buffers as they are in the file.
+// reader, and its callbacks that keep nothing; and tinygltf's model, which holds the buffers as they are in the file. An STL
+// file of 100 MB, whose vertices have to be joined, stands beside the reading of its bytes.
 
 // This is our own copy of the library, so that this file needs nothing to be linked.
 #define tinyobj occam_bench_tinyobj
@@ -77,12 +78,34 @@ void run_glb(Report& report)
     report.add(std::move(row));
 }
 
+void run_stl(Report& report)
+{
+    const test::TempFolder folder;
+    const std::filesystem::path file = folder.path() / "waves.stl";
+    write_wave_stl(file, 1000, 1000);
+
+    std::vector<double> ours, bytes;
+    std::size_t faces = 0;
+    for (int i = 0; i < kRuns; ++i) {
+        ours.push_back(repeat(1, [&] { faces = load(file).counts().faces; }).front());
+        bytes.push_back(repeat(1, [&] {
+                            std::string all(std::filesystem::file_size(file), ' ');
+                            std::ifstream(file, std::ios::binary).read(all.data(), static_cast<std::streamsize>(all.size()));
+                        }).front());
+    }
+    Row row{"import", "stl, 2,000,000 triangles"};
+    row.add("faces", double(faces)).add("megabytes", 1e-6 * double(std::filesystem::file_size(file)));
+    row.add("occam_faces_per_s", per(double(faces), ours)).add("time_over_reading_bytes", ratios(ours, bytes));
+    report.add(std::move(row));
+}
+
 }  // namespace
 
 void run_import(Report& report)
 {
     run_obj(report);
     run_glb(report);
+    run_stl(report);
 }
 
 }  // namespace occam::bench

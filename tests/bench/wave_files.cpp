@@ -118,4 +118,24 @@ void write_wave_glb(const std::filesystem::path& file, int columns, int rows)
     if (!out.flush()) throw Error(file.string(), "cannot be written");
 }
 
+void write_wave_stl(const std::filesystem::path& file, int columns, int rows)
+{
+    const WaveArrays wave = wave_arrays(columns, rows);
+    std::ofstream out(file, std::ios::binary);
+    const auto put = [&](const void* data, std::size_t size) {
+        out.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+    };
+    const std::string head(80, ' ');
+    const auto triangles = static_cast<std::uint32_t>(wave.indices.size() / 3);
+    put(head.data(), head.size()), put(&triangles, sizeof triangles);
+    const Vec3f no_normal(0);
+    const std::uint16_t no_attributes = 0;
+    for (std::size_t i = 0; i < wave.indices.size(); ++i) {
+        if (i % 3 == 0) put(&no_normal, sizeof no_normal);
+        put(&wave.positions[wave.indices[i]], sizeof(Vec3f));
+        if (i % 3 == 2) put(&no_attributes, sizeof no_attributes);
+    }
+    if (!out.flush()) throw Error(file.string(), "cannot be written");
+}
+
 }  // namespace occam::bench

@@ -266,7 +266,7 @@ TEST(MotionKeys, OfWhatFlattensFollowItsNormals)
         for (const double slope : {0.1, 1.0, 10.0}) {
             const auto normal = [&](double tau) { return glm::normalize(Vec3d(slope * (1 - 0.98 * tau), 1, 0)); };
             const Vec3d between = glm::normalize(normal(k / double(count)) + normal((k + 1) / double(count)));
-            EXPECT_GT(glm::dot(between, normal((k + 0.5) / count)), std::cos(1.1 * lod::CageMotion::kMostTurn)) << slope;
+            EXPECT_GT(glm::dot(between, normal((k + 0.5) / count)), std::cos(1.1 * kMostTurn)) << slope;
         }
     EXPECT_EQ(segments(torus(), [](Vec3f p, float tau) { return p + Vec3f(0, 0, 9 * tau); }), 1) << "sliding turns nothing";
     Cage triangle;
