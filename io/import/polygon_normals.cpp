@@ -1,18 +1,14 @@
 // Normals for polygons that come from a file without them.
 #include <cmath>
-#include <unordered_map>
+#include <vector>
 
-#include "base/hash.h"
 #include "base/maths.h"
+#include "io/import/key_numbers.h"
 #include "io/import/polygons.h"
 
 namespace occam::import {
 
 namespace {
-
-struct Hash {
-    std::size_t operator()(std::uint64_t key) const noexcept { return mix_bits(key); }
-};
 
 // Returns the direction of `v`; if it has none, any unit vector will do, since what such a normal belongs to has no area.
 Vec3d direction(Vec3d v)
@@ -62,9 +58,11 @@ private:
             sum += glm::cross(place(begin + c) - first, place(begin + c + 1) - first);
         return direction(sum);
     }
-    std::uint64_t key(std::size_t f, std::size_t corner) const
+    Sum& sum(std::size_t f, std::size_t corner)
     {
-        return std::uint64_t(group(f)) << 32 | cage_.face_vertices[corner];
+        const std::uint32_t number = vertices_.number_of({group(f), cage_.face_vertices[corner]});
+        if (number == sums_.size()) sums_.emplace_back();
+        return sums_[number];
     }
     void add_to_sums(std::size_t f, std::size_t begin)
     {
@@ -76,9 +74,9 @@ private:
             const Vec3d next = direction(place(begin + (c + 1) % size) - here);
             const Vec3d last = direction(place(begin + (c + size - 1) % size) - here);
             const double angle = double(maths::acos(static_cast<float>(glm::dot(next, last))));
-            Sum& sum = sums_[key(f, begin + c)];
-            sum.normals += normal * angle;
-            sum.angles += angle;
+            Sum& of_vertex = sum(f, begin + c);
+            of_vertex.normals += normal * angle;
+            of_vertex.angles += angle;
         }
     }
     void complete(std::size_t f, std::size_t begin)
@@ -87,7 +85,7 @@ private:
         for (std::size_t corner = begin; corner < begin + cage_.face_sizes[f]; ++corner) {
             std::uint32_t& index = polygons_.normal_indices[corner];
             if (index != kNoIndex) continue;
-            index = group(f) != 0 ? smooth(sums_[key(f, corner)]) : kNoIndex;
+            index = group(f) != 0 ? smooth(sum(f, corner)) : kNoIndex;
             if (index != kNoIndex) continue;
             if (of_face == kNoIndex) of_face = add(face_normal(f, begin));
             index = of_face;
@@ -108,7 +106,8 @@ private:
 
     Polygons& polygons_;
     const Cage& cage_;
-    std::unordered_map<std::uint64_t, Sum, Hash> sums_;
+    KeyNumbers<2> vertices_;  // of each smoothing group
+    std::vector<Sum> sums_;   // by their numbers
 };
 
 }  // namespace

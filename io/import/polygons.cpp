@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <optional>
-#include <unordered_map>
 
-#include "base/hash.h"
+#include "io/import/key_numbers.h"
 #include "io/import/polygon_files.h"
 #include "io/import/same_triangles.h"
 
@@ -24,13 +23,13 @@ public:
         if (position >= positions()) return kNoIndex;
         if (normal_of_[position] == kUnset) normal_of_[position] = normal;
         if (normal_of_[position] == normal) return position;
-        const std::uint64_t pair = std::uint64_t(position) << 32 | normal;
-        const auto [copy, is_new] = copies_.try_emplace(pair, static_cast<std::uint32_t>(source_.size()));
-        if (is_new) {
+        const auto first_copy = static_cast<std::uint32_t>(positions());
+        const std::uint32_t vertex = first_copy + copies_.number_of({position, normal});
+        if (vertex == source_.size()) {
             normal_of_.push_back(normal);
             source_.push_back(position);
         }
-        return copy->second;
+        return vertex;
     }
     template <class T>
     void spread(std::vector<T>& values) const
@@ -43,14 +42,11 @@ public:
     const std::vector<std::uint32_t>& normal_of() const { return normal_of_; }
 
 private:
-    struct Hash {
-        std::size_t operator()(std::uint64_t pair) const noexcept { return mix_bits(pair); }
-    };
     std::size_t positions() const { return source_.size() - copies_.size(); }
 
     static constexpr std::uint32_t kUnset = 0xfffffffe;
     std::vector<std::uint32_t> normal_of_, source_;
-    std::unordered_map<std::uint64_t, std::uint32_t, Hash> copies_;
+    KeyNumbers<2> copies_;  // those that do not keep the position's index, which come after all that do
 };
 
 void split_by_normal(Polygons& polygons)
