@@ -1,7 +1,7 @@
 // Runs parts of some work in several threads, which are kept for later.
 //
-// No library does this here: oneTBB 2021.8 ends the process where the system refuses a thread, keeps memory of every arena, and
-// waits for ever where there was no memory while it counted the processors.
+// No library does this here: oneTBB 2021.8 ends the process where the system refuses a thread, keeps memory of every arena,
+// and waits for ever where there was no memory while it counted the processors.
 //
 // Threads  any; several may run work at once.
 #pragma once
