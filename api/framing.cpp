@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "base/error_without_file.h"
 #include "lod/extent.h"
 #include "occam/occam.h"
@@ -11,7 +9,7 @@ namespace occam {
 
 Camera framing(Scene& scene, float aspect, ViewFrom from, Vec3d up)
 {
-    if (!(std::isfinite(aspect) && aspect > 0)) throw error_without_file("the aspect must be finite and above 0", "framing");
+    check_aspect(aspect, "framing");
     scene.refit();
     CameraFit fit(from, up, CameraLens().fov, aspect);
     lod::Extent().visit_points(scene, [&](Vec3d point) { fit.add(point); });
@@ -22,7 +20,7 @@ Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose,
                       int height, int segments)
 {
     if (height < 1 || height > render::kMaxSide)
-        throw error_without_file("from 1 to " + std::to_string(render::kMaxSide), "image height");
+        throw error_without_file("it must be from 1 to " + std::to_string(render::kMaxSide) + " pixels", "image height");
     if (!camera) throw error_without_file("a shutter needs something that returns the camera");
     constexpr double kPixels = 0.25;
     // The camera takes part in the finest recording: its keys cost nothing in the scene.

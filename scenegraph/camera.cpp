@@ -6,6 +6,7 @@
 #include "base/error_without_file.h"
 #include "base/maths.h"
 #include "base/unit_vector.h"
+#include "scenegraph/content_rules.h"
 
 namespace occam {
 
@@ -25,7 +26,7 @@ Camera Camera::look_at(Vec3d eye, Vec3d target, Vec3d up, float fov)
     const Vec3d back = unit_vector(eye - target), upwards = unit_vector(up);
     if (back == Vec3d(0)) throw error_without_file("the eye and the target must be finite and apart", "look_at");
     if (upwards == Vec3d(0)) throw error_without_file("the direction up must be finite and not zero", "look_at");
-    if (!(fov > 0 && fov < maths::kPi)) throw error_without_file("a camera's vertical angle must be in (0, pi)", "look_at");
+    check_view_angle(fov, "look_at");
     Vec3d right = glm::cross(upwards, back);
     // If the camera looks along `up`, any direction to the right will do, as long as it is always the same.
     if (is_along(back, up)) right = glm::cross(std::abs(back.z) < 0.9 ? Vec3d(0, 0, 1) : Vec3d(1, 0, 0), back);
@@ -38,6 +39,7 @@ Camera Camera::look_at(Vec3d eye, Vec3d target, Vec3d up, float fov)
 
 Camera Camera::framing(const Box3d& bounds, float aspect)
 {
+    check_aspect(aspect, "framing");
     constexpr double kMargin = 1.1;
     const Vec3d direction = Vec3d(0.4, 0.35, 1.0) / glm::length(Vec3d(0.4, 0.35, 1.0));  // from the scene to the eye
     const Vec3d centre = bounds.is_empty() ? Vec3d(0) : bounds.centre();
@@ -47,7 +49,7 @@ Camera Camera::framing(const Box3d& bounds, float aspect)
     // A corner c (relative to the centre, in camera axes) is visible if |c.x| <= (d - c.z) k aspect and |c.y| <= (d - c.z)
     // k.
     const double k = double(maths::tan(camera.lens.fov * 0.5f));
-    const double k_x = k * double(aspect > 0 && std::isfinite(aspect) ? aspect : 1.0f);
+    const double k_x = k * double(aspect);
     double distance = 0;
     for (int corner = 0; corner < 8; ++corner) {
         const Vec3d c = half * Vec3d(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);

@@ -7,9 +7,13 @@
 
 namespace occam {
 
+/// The range of a perspective camera's angle, radians. Directions of rays are floats, whose steps, 6e-8, are then less than
+/// a hundredth of the picture's height.
+inline constexpr float kNarrowestView = 1e-5f, kWidestView = 3.14f;
+
 /// Holds the properties of a camera node. The camera looks along its node's -z axis, and y points up.
 struct CameraLens {
-    float fov = 0.69f;  ///< full vertical angle in radians, perspective only
+    float fov = 0.69f;  ///< full vertical angle in radians, from kNarrowestView to kWidestView, perspective only
     /// Width over height of the picture that it is meant for, 0 if any. A picture has the ratio of its own size.
     float aspect = 0;
     bool orthographic = false;
@@ -34,10 +38,11 @@ struct Camera {
 
     /// Returns a camera that looks from `eye` to `target`. `up` may have any length, and decides what is above unless the
     /// camera looks along it. Throws Error if eye and target are the same or not finite, if `up` is zero or not finite, and
-    /// for an angle that is not between 0 and pi.
+    /// for an angle that is not from kNarrowestView to kWidestView.
     static Camera look_at(Vec3d eye, Vec3d target, Vec3d up, float fov);
     /// Returns a camera that sees all of `bounds` from the front, a little from above and the right, with a margin of a
-    /// tenth.
+    /// tenth. Throws Error if the aspect, width over height of the picture, is not finite and above 0, and if the bounds are
+    /// not finite.
     static Camera framing(const Box3d& bounds, float aspect = 16.0f / 9.0f);
 };
 

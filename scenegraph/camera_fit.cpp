@@ -7,6 +7,7 @@
 #include "base/error_without_file.h"
 #include "base/maths.h"
 #include "base/unit_vector.h"
+#include "scenegraph/content_rules.h"
 
 namespace occam {
 namespace {
@@ -36,7 +37,8 @@ Vec3d direction_of(ViewFrom side)
 CameraFit::CameraFit(ViewFrom side, Vec3d up, float fov, float aspect) : fov_(fov)
 {
     constexpr double kMargin = 1.06;
-    if (!(fov > 0 && fov < maths::kPi)) throw error_without_file("a camera's vertical angle must be in (0, pi)", "fov");
+    check_view_angle(fov, "framing");
+    check_aspect(aspect, "framing");
     up = unit_vector(up);
     if (up == Vec3d(0)) throw error_without_file("a direction must be finite and not zero", "up");
     Vec3d front = std::abs(up.z) > 0.7 ? Vec3d(0, -1, 0) : Vec3d(0, 0, 1);
@@ -51,7 +53,7 @@ CameraFit::CameraFit(ViewFrom side, Vec3d up, float fov, float aspect) : fov_(fo
     right_ = right_ / glm::length(right_);
     up_ = glm::cross(back_, right_);
     slope_y_ = double(maths::tan(fov * 0.5f)) / kMargin;
-    slope_x_ = slope_y_ * double(aspect > 0 && std::isfinite(aspect) ? aspect : 1.0f);
+    slope_x_ = slope_y_ * double(aspect);
     clear();
 }
 

@@ -24,7 +24,8 @@ class CameraFit {
 public:
     /// fov      full vertical angle in radians
     /// aspect   width over height of the picture
-    /// Throws Error if `up` is zero or not finite, for a side that does not exist, or if the angle is not between 0 and pi.
+    /// Throws Error if `up` is zero or not finite, for a side that does not exist, for an angle that is not from
+    /// kNarrowestView to kWidestView, and for an aspect that is not finite and above 0.
     CameraFit(ViewFrom side, Vec3d up, float fov, float aspect);
 
     /// Adds a point in world axes. A point that is not finite is ignored.

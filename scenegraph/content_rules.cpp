@@ -142,11 +142,21 @@ void check(const Light& light)
     std::visit(check_kind, light.kind);
 }
 
+void check_view_angle(float fov, const char* where)
+{
+    Rules(where, {}).require(fov >= kNarrowestView && fov <= kWidestView, "the angle of view",
+                             "from 0.00001 to 3.14 radians");
+}
+
+void check_aspect(float aspect, const char* where)
+{
+    Rules(where, {}).require(std::isfinite(aspect) && aspect > 0, "the aspect", "finite and above 0");
+}
+
 void check(const CameraLens& lens)
 {
     const Rules rules("camera", {});
-    rules.require(lens.orthographic || (lens.fov >= kNarrowestView && lens.fov <= kWidestView), "the angle of view",
-                  "from 0.00001 to 3.14 radians");
+    if (!lens.orthographic) check_view_angle(lens.fov, "camera");
     rules.at_least_0(lens.aspect, "the aspect");
     rules.require(!lens.orthographic || (std::isfinite(lens.height) && lens.height > 0), "the height", "finite and above 0");
     rules.at_least_0(lens.radius, "the radius of the lens");

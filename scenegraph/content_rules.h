@@ -13,10 +13,6 @@
 
 namespace occam {
 
-/// The range of a perspective camera's angle, radians. Directions of rays are floats, whose steps, 6e-8, are then less than
-/// a hundredth of the picture's height.
-inline constexpr float kNarrowestView = 1e-5f, kWidestView = 3.14f;
-
 /// Returns an affine matrix with a last row of exactly 0, 0, 0, 1, which products and inverses may have rounded. Throws
 /// Error if the matrix is not finite or not affine.
 /// value        names the matrix in the message
@@ -41,5 +37,9 @@ void check(const Clip& clip);
 void check(const Trs& place, const std::string& name);
 void check_morph_weights(std::span<const float> weights, const std::string& name);
 void check(const Environment& environment);
+/// Checks the angle of a perspective camera: from kNarrowestView to kWidestView.
+void check_view_angle(float fov, const char* where);
+/// Checks that the width over height of a picture is finite and above 0.
+void check_aspect(float aspect, const char* where);
 
 }  // namespace occam

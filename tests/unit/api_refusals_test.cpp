@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "base/unit_vector.h"
 #include "occam/occam.h"
@@ -181,6 +183,56 @@ TEST(Api, AWarningOfATextureWithoutANameHasASubject)
     ASSERT_FALSE(renderer.stats().warnings.empty());
     EXPECT_EQ(renderer.stats().warnings.front().find("a texture without a name: texels that are not finite"), 0u)
         << renderer.stats().warnings.front();
+}
+
+// What a camera is made with and what a frame accepts is the same.
+TEST(Api, AnglesOfViewAreThoseThatFramesAccept)
+{
+    const auto looks = [](float fov) { return Camera::look_at({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, fov); };
+    for (const float fov : {0.0f, -1.0f, 9e-6f, 3.1412f, 4.0f, std::nanf(""), float(kInfinity)}) {
+        const std::string rule = "the angle of view must be from 0.00001 to 3.14 radians";
+        EXPECT_NE(error_of([&] { looks(fov); }).find(rule), std::string::npos) << fov;
+        EXPECT_NE(error_of([&] { CameraFit(ViewFrom::Front, {0, 1, 0}, fov, 1); }).find(rule), std::string::npos) << fov;
+    }
+    Scene scene;
+    test::place(scene, scene.add(test::torus()), Vec3d(0));
+    Renderer renderer({.threads = 1});
+    for (const float fov : {kNarrowestView, kWidestView}) {
+        EXPECT_NO_THROW(CameraFit(ViewFrom::Front, {0, 1, 0}, fov, 1));
+        EXPECT_NO_THROW(renderer.render(scene, looks(fov), {.width = 4, .height = 4, .spp = 1})) << fov;
+    }
+}
+
+TEST(Api, AnAspectIsFiniteAndAbove0)
+{
+    Scene scene;
+    const Box3d box{Vec3d(-1), Vec3d(1)};
+    for (const float aspect : {0.0f, -1.0f, std::nanf(""), float(kInfinity)}) {
+        const std::string rule = "the aspect must be finite and above 0";
+        EXPECT_NE(error_of([&] { framing(scene, aspect); }).find(rule), std::string::npos) << aspect;
+        EXPECT_NE(error_of([&] { Camera::framing(box, aspect); }).find(rule), std::string::npos) << aspect;
+        EXPECT_NE(error_of([&] {
+                      CameraFit(ViewFrom::Front, {0, 1, 0}, 0.7f, aspect);
+                  }).find(rule),
+                  std::string::npos)
+            << aspect;
+    }
+}
+
+TEST(Api, RefusalsOfSizesAreSentences)
+{
+    Scene scene;
+    const Camera camera = framing(scene);
+    const std::string rule = "it must be from 1 to 65536 pixels";
+    for (const int side : {0, -5, 65537}) {
+        const auto records = [&] {
+            record_shutter(
+                scene, [](double) {}, [&] { return camera; }, side);
+        };
+        EXPECT_NE(error_of(records).find(rule), std::string::npos) << side;
+        EXPECT_NE(error_of([&] { Query(scene, camera, side); }).find(rule), std::string::npos) << side;
+        EXPECT_NE(error_of([&] { Query(scene, camera).pick(1, 1, side); }).find(rule), std::string::npos) << side;
+    }
 }
 
 }  // namespace

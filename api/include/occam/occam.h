@@ -56,7 +56,7 @@ using Stage = render::FrameControl::Stage;
 /// Returns the nearest camera that has all of the scene, as it is posed now, in its picture, with a narrow margin. The
 /// command line uses it where a file has no camera. A displaced surface counts as if it reached Displacement::bound on all
 /// sides, so that it may fill less of the picture.
-/// aspect   width over height of the picture
+/// aspect   width over height of the picture; Error unless it is finite and above 0
 Camera framing(Scene& scene, float aspect = 16.0f / 9.0f, ViewFrom from = ViewFrom::ThreeQuarter, Vec3d up = {0, 1, 0});
 
 /// Poses the scene by `pose` and records what moves while the shutter of the next frame is open, with the fewest segments
