@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <functional>
+#include <vector>
+
 #include "base/error_without_file.h"
 #include "lod/extent.h"
 #include "occam/occam.h"
@@ -16,18 +20,67 @@ Camera framing(Scene& scene, float aspect, ViewFrom from, Vec3d up)
     return fit.camera();
 }
 
+namespace {
+
+/// Records the scene, and the camera beside it: both are asked for at each key.
+class Recording {
+public:
+    Recording(Scene& scene, const std::function<void(double tau)>& pose, const std::function<Camera()>& camera)
+        : scene_(scene), pose_(pose), camera_(camera)
+    {
+    }
+
+    /// Throws ShutterTooLarge if the keys of so many segments take too much memory.
+    void record(int segments)
+    {
+        path_.clear();
+        scene_.record_shutter(segments, [&](double tau) {
+            pose_(tau);
+            if (path_.size() > std::size_t(segments)) return;  // the last pose is that of mid-shutter, and no key
+            const Camera at_key = camera_();
+            check(at_key);
+            path_.push_back(at_key.world_from_camera);
+            has_keys_of_its_own_ |= !at_key.keys.empty();
+        });
+    }
+
+    /// Returns the camera of mid-shutter. Keys that the application gave it are kept, and else they are where it was, as
+    /// those of a camera of a node are.
+    Camera camera() const
+    {
+        Camera moving = camera_();
+        if (!has_keys_of_its_own_ && moving.keys != path_) {
+            const bool stands = std::adjacent_find(path_.begin(), path_.end(), std::not_equal_to<>()) == path_.end();
+            moving.keys = stands ? std::vector<Mat4d>() : path_;
+        }
+        check(moving);
+        return moving;
+    }
+
+private:
+    Scene& scene_;
+    const std::function<void(double tau)>& pose_;
+    const std::function<Camera()>& camera_;
+    std::vector<Mat4d> path_;
+    bool has_keys_of_its_own_ = false;
+};
+
+}  // namespace
+
 Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose, const std::function<Camera()>& camera,
                       int height, int segments)
 {
     if (height < 1 || height > render::kMaxSide)
         throw error_without_file("it must be from 1 to " + std::to_string(render::kMaxSide) + " pixels", "image height");
+    if (!pose) throw error_without_file("a shutter needs something that poses the scene");
     if (!camera) throw error_without_file("a shutter needs something that returns the camera");
     constexpr double kPixels = 0.25;
     // The camera takes part in the finest recording: its keys cost nothing in the scene.
     int finest = segments != 0 ? segments : kMaxShutterSegments;
+    Recording recording(scene, pose, camera);
     const auto is_recorded = [&] {
         try {
-            scene.record_shutter(finest, pose);
+            recording.record(finest);
             return true;
         } catch (const ShutterTooLarge&) {
             if (segments != 0 || finest == 1) throw;
@@ -37,8 +90,7 @@ Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose,
     while (!is_recorded()) finest /= 2;
     Camera moving;
     try {
-        moving = camera();
-        check(moving);
+        moving = recording.camera();
     } catch (...) {
         scene.clear_shutter();
         throw;

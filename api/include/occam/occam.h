@@ -61,9 +61,12 @@ Camera framing(Scene& scene, float aspect = 16.0f / 9.0f, ViewFrom from = ViewFr
 
 /// Poses the scene by `pose` and records what moves while the shutter of the next frame is open, with the fewest segments
 /// that keep all paths within a quarter of a pixel: what the command line does for --shutter. Returns the camera of the
-/// frame, which has keys if it moves itself. Settings::shutter should say how many frames the shutter is open.
+/// frame, which has keys if it moves itself, whether a node carries it or the application computes it: as many as 32
+/// segments have, or as `segments` says. Settings::shutter should say how many frames the shutter is open.
 /// pose       poses the scene at a moment of the shutter: 0 when it opens, 1 when it closes. See Scene::record_shutter()
-/// camera     returns the camera of the scene as it is then, for instance by Scene::camera()
+/// camera     returns the camera of the scene as it is posed then, for instance by Scene::camera(). It is called after
+///            `pose` at each moment, and at the end in the middle of the shutter, which decides the lens. If it returns a
+///            camera with keys while moments are recorded, the last one's keys are taken as they are
 /// height     of the picture in pixels
 /// segments   1, 2, 4, 8, 16 or 32; 0: as many as are needed, up to 32
 Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose, const std::function<Camera()>& camera,
