@@ -36,7 +36,7 @@ std::uint32_t next_scene_generation() noexcept
     return scenes.fetch_add(1, std::memory_order_relaxed) * 0x9E3779B1u;
 }
 
-Scene::Scene() : state_(std::make_unique<State>()) { state_->root = state_->nodes.add({}); }
+Scene::Scene() : state_(std::make_shared<State>()) { state_->root = state_->nodes.add({}); }
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 Scene::~Scene() = default;

@@ -216,9 +216,10 @@ public:
     /// set_transform(), set_visible(), set_morph_weights(), write_vertices() and pose(); records what changes; and calls
     /// pose(0.5), so that everything without keys, lights and the edited nodes' own values are those of mid-shutter. An
     /// earlier recording is dropped. While it is recorded, nodes can be neither added nor removed nor given another
-    /// parent, skin or instance or other cages, and cages and skins can be neither removed nor replaced. If `pose` throws,
-    /// no keys are left. A later edit of a node or of a cage's vertices drops its keys, and skins follow what is left of
-    /// the motion of their joints.
+    /// parent, skin or instance or other cages, and cages and skins can be neither removed nor replaced. The scene itself
+    /// can be neither moved elsewhere nor assigned to: that is an Error when `pose` returns. If `pose` throws, no keys are
+    /// left. A later edit of a node or of a cage's vertices drops its keys, and skins follow what is left of the motion of
+    /// their joints.
     /// segments   1, 2, 4, 8, 16 or 32
     void record_shutter(int segments, const std::function<void(double tau)>& pose);
     void clear_shutter();
@@ -347,7 +348,7 @@ public:
 
 private:
     struct State;
-    std::unique_ptr<State> state_;
+    std::shared_ptr<State> state_;  ///< of this scene alone, but for record_shutter() while it runs
 };
 
 template <class Visit>

@@ -3,7 +3,10 @@
 // record_shutter() lets the application pose the scene at every key. An edit announces itself before it writes
 // (about_to_change() and its kin), so the recorder knows the value that held at all earlier keys, and only what is
 // edited costs anything. Outside of a recording the same announcements drop the keys of what is edited.
+#include <algorithm>
 #include <bit>
+#include <functional>
+#include <memory>
 
 #include "base/error_without_file.h"
 #include "base/matrix.h"
@@ -289,7 +292,8 @@ void Scene::State::store_keys(Recorder& record)
 
 void Scene::record_shutter(int segments, const std::function<void(double tau)>& pose)
 {
-    State& s = *state_;
+    const std::shared_ptr<State> kept = state_;  // `pose` may move the scene elsewhere, or assign to it
+    State& s = *kept;
     s.require_unrecorded();
     if (segments < 1 || segments > kMaxShutterSegments || !std::has_single_bit(static_cast<unsigned>(segments)))
         throw error_without_file("a shutter has 1, 2, 4, 8, 16 or 32 segments", std::to_string(segments));
@@ -300,6 +304,12 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
             if (s.wears(user, skin) && (skin.has_stale_links || s.nodes.find(user)->has_stale_links)) s.link_user(user);
     });
 
+    const auto pose_at = [&](double tau) {
+        pose(tau);
+        // If nothing else holds the content, there may be no scene any more to compare with.
+        if (kept.use_count() == 1 || state_ != kept)
+            throw error_without_file("while a shutter is recorded, its scene can neither be moved nor assigned to");
+    };
     State::Recorder record;
     struct Recording {
         explicit Recording(State& state, State::Recorder& into) : state_(state) { state_.recorder = &into; }
@@ -309,7 +319,7 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
     {
         const Recording recording(s, record);
         for (int key = 0; key <= segments; ++key) {
-            pose(double(key) / segments);
+            pose_at(double(key) / segments);
             s.take_key(record);
             // What moves first at this key has just got all keys before it, too.
             if (record.bytes_with(static_cast<std::size_t>(segments - key)) > kMostKeyBytes)
@@ -318,7 +328,7 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
                                                              std::to_string(segments) + " segments of its motion",
                                                          "--shutter-segments"));
         }
-        pose(0.5);
+        pose_at(0.5);
     }
     s.require_editable();  // `pose` may have begun a frame
     s.store_keys(record);

@@ -3,6 +3,8 @@
 #include <occam/occam.h>
 
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "tests/support/shape_builders.h"
 
@@ -57,6 +59,54 @@ TEST(Shutter, RecordingFollowsACameraThatTheApplicationComputes)
     const auto stands = [] { return view_at(0, 1); };
     EXPECT_TRUE(record_shutter(scene, fly, stands, 100).keys.empty());
     EXPECT_THROW(record_shutter(scene, nullptr, stands, 100), Error);
+}
+
+// The scene's content would be gone while its keys are taken.
+TEST(Shutter, ASceneThatIsAssignedToWhileItIsRecordedIsRefused)
+{
+    for (const double when : {0.0, 0.5, 1.0}) {
+        Scene scene, other;
+        NodeId node = place(scene, scene.add(torus()), {0, 0, 0});
+        const auto assigns = [&](double tau) {
+            if (tau < when) scene.set_transform(node, Trs{.translation = {tau, 0, 0}});
+            else if (tau == when) scene = Scene();
+        };
+        EXPECT_THROW(scene.record_shutter(2, assigns), Error) << when;
+        EXPECT_EQ(scene.shutter_segments(), 0);
+        EXPECT_TRUE(scene.add_node(scene.root(), {})) << "the new scene can be used";
+
+        node = place(scene, scene.add(torus()), {0, 0, 0});
+        const auto moves = [&](double tau) {
+            if (tau < when) scene.set_transform(node, Trs{.translation = {tau, 0, 0}});
+            else if (tau == when) other = std::move(scene);
+        };
+        EXPECT_THROW(scene.record_shutter(2, moves), Error) << when;
+        EXPECT_EQ(other.shutter_segments(), 0);
+        EXPECT_NO_THROW(other.remove(node)) << "no recording is left";
+
+        std::optional<Scene> kept;
+        kept.emplace();
+        node = place(*kept, kept->add(torus()), {0, 0, 0});
+        const auto ends = [&](double tau) {
+            if (tau < when) kept->set_transform(node, Trs{.translation = {tau, 0, 0}});
+            else if (tau == when) kept.reset();
+        };
+        EXPECT_THROW(kept->record_shutter(2, ends), Error) << when;
+    }
+}
+
+// A scene that has its content again when `pose` returns is recorded as if it had never lost it.
+TEST(Shutter, ASceneMayBeSwappedAwayAndBackWhileItIsRecorded)
+{
+    Scene scene, other;
+    const NodeId node = place(scene, scene.add(torus()), {0, 0, 0});
+    scene.record_shutter(2, [&](double tau) {
+        scene.set_transform(node, Trs{.translation = {tau, 0, 0}});
+        std::swap(scene, other);
+        scene.add_node(scene.root(), {});
+        std::swap(scene, other);
+    });
+    EXPECT_EQ(scene.shutter_segments(), 2);
 }
 
 }  // namespace
