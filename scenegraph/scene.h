@@ -157,7 +157,10 @@ public:
     Scene& operator=(Scene&&) noexcept;
     ~Scene();
 
-    // Nodes. The root always exists; removing a node removes its subtree.
+    // Nodes. The root always exists; removing a node removes its subtree. What is placed may be of any finite size, and lie
+    // anywhere. But what is more than 10^22 times smaller than all that is shown together vanishes from pictures and to
+    // queries: FrameStats::warnings counts the nodes beyond 1e16 beside which the rest does, and those whose place in the
+    // world is no finite number, which are not seen themselves.
     NodeId root() const noexcept;
     NodeId add_node(NodeId parent, NodeDesc desc);  ///< also throws if the node would show itself through instance_of
     void remove(NodeId id);

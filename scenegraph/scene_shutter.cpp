@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <functional>
+#include <limits>
 #include <memory>
 
 #include "base/error_without_file.h"
@@ -37,6 +38,8 @@ struct Scene::State::Recorder {
 
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 /// What moves while the shutter is open is refused if its keys take more bytes.
 constexpr std::size_t kMostKeyBytes = std::size_t(1) << 30;
 
@@ -57,11 +60,15 @@ bool Node::is_visible_in_shutter() const noexcept
 
 Box3d box_in_parent(const Node& node) noexcept
 {
-    if (node.keys.empty()) return node.visible ? transform_box(node.parent_from_node, node.bounds) : Box3d();
+    const auto placed = [&](const Mat4d& parent_from_node) {
+        const Box3d box = transform_box(parent_from_node, node.bounds);
+        if (!box.is_empty() || node.bounds.is_empty()) return box;
+        return Box3d{Vec3d(-kInfinity), Vec3d(kInfinity)};  // what overflows may be anywhere, and is not forgotten
+    };
+    if (node.keys.empty()) return node.visible ? placed(node.parent_from_node) : Box3d();
     Box3d box;
     for (std::size_t k = 0; k < node.keys.size(); ++k)
-        if (node.keys[k].visible || (k > 0 && node.keys[k - 1].visible))
-            box.add(transform_box(node.keys[k].parent_from_node, node.bounds));
+        if (node.keys[k].visible || (k > 0 && node.keys[k - 1].visible)) box.add(placed(node.keys[k].parent_from_node));
     return box;
 }
 

@@ -34,8 +34,9 @@ inline Vec3f limited(Vec3f c) noexcept
 /// Returns a line for each kind of value that is clamped, with a count: lights, environments and emissions beyond
 /// kMaxRadiance, alone or times their brightest texel, base colours above 1 of materials that reflect, and what else is
 /// beyond scenegraph/material_limits.h. Another line counts the lights that are left out because they are too far away
-/// (WorldLight::is_in_reach), and one the nodes that reach beyond kMaxCoordinate while the shutter is open. The scene must
-/// be refitted.
+/// (WorldLight::is_in_reach), one the nodes that reach beyond kMaxCoordinate while the shutter is open, one the nodes beyond
+/// kMaxCoordinate beside which all that is nearer vanishes, and one those whose place is not finite. The scene must be
+/// refitted.
 /// textures   those of the scene; one that no lookup has asked for, or that is read in tiles, counts as black
 /// scale      that of the frame, in whose unit the intensities of point lights are limited
 std::vector<std::string> input_warnings(const Scene& scene, const TextureStore& textures, float sky_strength,

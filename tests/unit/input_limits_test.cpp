@@ -213,5 +213,69 @@ TEST(InputLimits, TransformsOfTexturesBeyondMeasureAreCounted)
         }
 }
 
+Mat4d of_size(double size)
+{
+    Mat4d m(size);
+    m[3] = Vec4d(0, 0, 0, 1);
+    return m;
+}
+
+constexpr const char* kVanishes = "nodes that reach beyond 1e16, beside which the rest of the scene vanishes: 1";
+constexpr const char* kLost = "nodes whose place in the world is not finite, which are not seen: 1";
+
+// Returns what a frame of a torus at the origin and of another one that is placed like this warns of.
+Picture beside(const Mat4d& far, const Mat4d& above = Mat4d(1))
+{
+    Scene scene = scene_of({});
+    const NodeId parent = scene.add_node(scene.root(), {.matrix = above});
+    scene.add_node(parent, {.matrix = far, .cages = {scene.add(torus())}});
+    Renderer renderer({.threads = 1});
+    const Image image = renderer.render(scene, Camera::look_at({0, 2, 4}, Vec3d(0), {0, 1, 0}, 0.8f),
+                                        {.width = 24, .height = 16, .spp = 1});
+    Picture out;
+    for (const float value : image.find("beauty")->pixels) out.brightest = std::max(out.brightest, value);
+    out.warnings = renderer.stats().warnings;
+    return out;
+}
+
+TEST(InputLimits, NodesBesideWhichTheRestVanishesAreCounted)
+{
+    for (const double far : {1e25, 1e30, 1e300}) {
+        const Picture p = beside(moved(far, 0, 0));
+        EXPECT_TRUE(p.warns_of(kVanishes)) << far;
+        EXPECT_EQ(p.brightest, 0) << "as the warning says";
+        EXPECT_TRUE(beside(of_size(far)).warns_of(kVanishes)) << far;
+    }
+    for (const double far : {1.0, 1e16, 1e20}) {
+        EXPECT_FALSE(beside(moved(far, 0, 0)).warns_of("nodes")) << far;
+        EXPECT_FALSE(beside(of_size(far)).warns_of("nodes")) << far;
+    }
+    Scene alone;
+    alone.add_node(alone.root(), {.matrix = of_size(1e30), .cages = {alone.add(torus())}});
+    EXPECT_FALSE(picture_of(alone).warns_of("nodes")) << "there is nothing that could vanish";
+}
+
+TEST(InputLimits, WeightsOfMorphTargetsBesideWhichTheRestVanishesAreCounted)
+{
+    Scene scene = scene_of({});
+    Cage cage = torus();
+    cage.morph_targets.push_back({"up", std::vector<Vec3f>(cage.positions.size(), Vec3f(0, 1, 0)), {}});
+    const NodeId node = place(scene, scene.add(std::move(cage)), Vec3d(0));
+    scene.set_morph_weights(node, {1e15f});
+    EXPECT_FALSE(picture_of(scene).warns_of("nodes"));
+    scene.set_morph_weights(node, {1e30f});
+    EXPECT_TRUE(picture_of(scene).warns_of(kVanishes));
+}
+
+TEST(InputLimits, NodesWhosePlaceIsNotFiniteAreCounted)
+{
+    for (const Mat4d& far : {of_size(1e200), moved(1e200, 0, 0), moved(1e200, 0, 0) * of_size(1e200)}) {
+        const Picture p = beside(far, of_size(1e200));
+        EXPECT_TRUE(p.warns_of(kLost));
+        EXPECT_GT(p.brightest, 0) << "the rest is seen";
+    }
+    EXPECT_FALSE(beside(of_size(1e100), of_size(1e100)).warns_of(kLost));
+}
+
 }  // namespace
 }  // namespace occam::test
