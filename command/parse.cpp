@@ -31,8 +31,6 @@ void add_scene(CLI::App& app, SceneArguments& a)
         ->type_name("NAME");
 }
 
-constexpr std::uint64_t kMostVerifyRays = 1'000'000'000'000;
-
 struct Quality {
     int spp;
     float shading_rate;

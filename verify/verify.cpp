@@ -1,6 +1,8 @@
 #include "verify/verify.h"
 
+#include <bit>
 #include <optional>
+#include <string>
 
 #include "accel/placement.h"
 #include "base/error_without_file.h"
@@ -66,9 +68,23 @@ void test_each_size(const ShownCage& shown, const VerifySettings& settings, cons
 
 }  // namespace
 
+void check(const VerifySettings& settings)
+{
+    if (settings.rays > kMostVerifyRays)
+        throw error_without_file("there can be at most " + std::to_string(kMostVerifyRays) + " rays for each cage", "rays");
+    const int rate = settings.largest_rate;
+    if (rate < 1 || rate > kLargestVerifyRate || !std::has_single_bit(static_cast<unsigned>(rate)))
+        throw error_without_file("it must be a power of two from 1 to " + std::to_string(kLargestVerifyRate),
+                                 "largest rate");
+    if (!(settings.overlap_ulps >= 0 && settings.overlap_ulps <= kWidestVerifyOverlap))
+        throw error_without_file("it must be from 0 to " + std::to_string(static_cast<int>(kWidestVerifyOverlap)) + " ulps",
+                                 "overlap");
+}
+
 VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings,
                     const TextureStore* textures)
 {
+    check(settings);
     Scene scene;  // which drops what is no face
     const CageSlot& slot = scene.cage(scene.add(without_materials(cage)));
     const ShownCage shown{slot, nullptr, nullptr, {&world_from_object, 1}, 0};
@@ -79,6 +95,7 @@ VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const Veri
 
 std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings)
 {
+    check(settings);
     std::vector<VerifiedCage> reports;
     for_each_shown(scene, [&](const ShownCage& shown, const TextureStore& textures) {
         const std::size_t number = reports.size();
@@ -90,6 +107,7 @@ std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings)
 
 bool replay(Scene& scene, const VerifySettings& settings, std::string_view text, std::ostream& out)
 {
+    check(settings);
     const RayLine line = read_ray_line(text);
     std::size_t number = 0;
     bool holds = true;

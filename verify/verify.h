@@ -17,13 +17,19 @@ namespace occam {
 
 class TextureStore;
 
+/// The largest values of VerifySettings. Time and memory of a test grow with the square of the rate.
+inline constexpr std::uint64_t kMostVerifyRays = 1'000'000'000'000;
+inline constexpr int kLargestVerifyRate = 256;
+inline constexpr float kWidestVerifyOverlap = 65536;
+
 struct VerifySettings {
-    std::uint64_t rays = 1'000'000;  ///< number of rays per placed cage
+    std::uint64_t rays = 1'000'000;  ///< number of rays per placed cage, up to kMostVerifyRays
     std::uint64_t seed = 0;
-    int largest_rate = 32;  ///< largest rate of a patch at the finest level that rays see
+    /// The largest rate of a patch at the finest level that rays see: a power of two from 1 to kLargestVerifyRate.
+    int largest_rate = 32;
     /// The overlap of a ray's segments, in ulps of the largest coordinate alone. The engine's overlap is wider and
     /// hides faults near the origin. Rays that escape only because of the shorter overlap are counted as grazing. 0
-    /// selects the engine's overlap.
+    /// selects the engine's overlap. From 0 to kWidestVerifyOverlap.
     float overlap_ulps = 4;
 };
 
@@ -60,6 +66,9 @@ struct VerifiedCage {
 /// every vertex form one fan; holes are removed. Returns an empty string if the cage is closed, else the reason why it
 /// is not.
 std::string why_not_closed(const Cage& cage);
+
+/// Throws Error if a setting is out of its range. What takes settings calls it.
+void check(const VerifySettings& settings);
 
 /// Tests one cage where `world_from_object` places it, without a skin.
 /// textures   hold the prepared texture of its displacement; if null, the cage is tested without it.

@@ -235,5 +235,29 @@ TEST(Api, RefusalsOfSizesAreSentences)
     }
 }
 
+TEST(Api, SettingsOfVerifyHaveRanges)
+{
+    Scene scene;
+    std::ostringstream out;
+    const Cage cage = test::torus(4, 4, false);
+    const auto expect_refused = [&](const VerifySettings& settings, const char* rule) {
+        for (const std::string& found :
+             {error_of([&] { verify(cage, Mat4d(1), settings); }), error_of([&] { verify(scene, settings); }),
+              error_of([&] { replay(scene, settings, "", out); })})
+            EXPECT_NE(found.find(rule), std::string::npos) << found;
+    };
+    for (const int rate : {0, -1, 3, 512, 65536, std::numeric_limits<int>::max(), std::numeric_limits<int>::min()})
+        expect_refused({.largest_rate = rate}, "it must be a power of two from 1 to 256 (largest rate)");
+    for (const float overlap : {std::nanf(""), -1.0f, float(kInfinity), 1e30f})
+        expect_refused({.overlap_ulps = overlap}, "it must be from 0 to 65536 ulps (overlap)");
+    expect_refused({.rays = kMostVerifyRays + 1}, "there can be at most");
+    for (const float overlap : {0.0f, kWidestVerifyOverlap}) {
+        const VerifiedCage found = verify(cage, Mat4d(1), {.rays = 2'048, .largest_rate = 2, .overlap_ulps = overlap});
+        EXPECT_TRUE(found.holds()) << overlap << ": " << found.escaped;
+        EXPECT_GT(found.rays, 0u);
+    }
+    EXPECT_NO_THROW(verify(cage, Mat4d(1), {.rays = 0, .largest_rate = 1}));
+}
+
 }  // namespace
 }  // namespace occam

@@ -46,7 +46,7 @@ TEST(VerifySizes, ACageThatIsNotSanitizedIsTestedWithoutWhatIsNoFace)
     cube.holes = {77};
     cube.materials.resize(3);
     EXPECT_TRUE(verify(cube, Mat4d(1), {.rays = 2'000, .largest_rate = 4}).holds());
-    EXPECT_TRUE(verify(cube, Mat4d(1), {.rays = 2'000, .largest_rate = 0}).holds());
+    EXPECT_TRUE(verify(cube, Mat4d(1), {.rays = 2'000, .largest_rate = 1}).holds());
     for (Vec3f& p : cube.positions) p.x = std::numeric_limits<float>::quiet_NaN();
     EXPECT_NE(verify(cube, Mat4d(1), {.rays = 2'000}).not_testable, "");
 }
