@@ -2,6 +2,7 @@
 
 #include <bit>
 
+#include "base/error_without_file.h"
 #include "base/hash.h"
 
 namespace occam::render {
@@ -16,7 +17,11 @@ const Layer* Image::find(std::string_view name) const noexcept
 Layer& Image::add_layer(std::string name, std::vector<std::string> channels, bool full_float)
 {
     Layer layer{std::move(name), std::move(channels), full_float, {}};
-    layer.pixels.resize(layer.channel_count() * std::size_t(width) * std::size_t(height));
+    if (width < 0 || height < 0) throw error_without_file("the sides of an image must be 0 or more", "image");
+    const std::size_t pixels = std::size_t(width) * std::size_t(height), channel_count = layer.channel_count();
+    if (pixels > 0 && channel_count > layer.pixels.max_size() / pixels)
+        throw error_without_file("a layer has more values than can be counted", "image");
+    layer.pixels.resize(channel_count * pixels);
     return layers_.emplace_back(std::move(layer));
 }
 

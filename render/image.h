@@ -77,7 +77,8 @@ public:
     /// Returns the layers in the order in which they were added; beauty is the first.
     const std::vector<Layer>& layers() const noexcept { return layers_; }
     const Layer* find(std::string_view name) const noexcept;  ///< null if there is none
-    /// Adds a black layer (zeros). Invalidates references to layers.
+    /// Adds a black layer (zeros). Invalidates references to layers. Throws Error if a side of the image is below 0, or the
+    /// layer would have more values than can be counted.
     Layer& add_layer(std::string name, std::vector<std::string> channels, bool full_float = false);
     Layer& layer(std::size_t index) { return layers_[index]; }
 

@@ -120,6 +120,7 @@ void evaluate(const Channel& channel, double seconds, std::span<double> values) 
 {
     const Keys keys(channel);
     const std::vector<float>& times = channel.times;
+    if (times.empty()) return;
     const bool is_rotation = channel.path == Channel::Path::Rotation;
     const auto store = [&](Vec4d q) { std::copy_n(&q[0], values.size(), values.begin()); };
     const auto hold = [&](std::size_t key) {

@@ -36,7 +36,7 @@ struct Channel {
     NodeId target;
     Path path = Path::Translation;
     Interpolation interpolation = Interpolation::Linear;
-    std::vector<float> times;   ///< seconds, strictly increasing
+    std::vector<float> times;   ///< seconds, strictly increasing; none: the channel changes nothing
     std::vector<float> values;  ///< `width` floats a key; CubicSpline: in-tangent, value and out-tangent a key
     int width = 3;
 };
@@ -56,7 +56,8 @@ TimeRange time_range(const Clip& clip) noexcept;
 double looped(TimeRange range, double seconds) noexcept;
 
 /// Evaluates the channel (glTF 2.0, appendix C): it is clamped at its ends, and rotations are slerped and have unit length.
-/// values   has as many elements as the channel is wide
+/// The channel must be one that Scene::add(Clip) accepts.
+/// values   has as many elements as the channel is wide; they stay as they are if the channel has no keys
 void evaluate(const Channel& channel, double seconds, std::span<double> values) noexcept;
 
 /// A clip at a moment, and its share where several clips animate the same property.

@@ -259,5 +259,35 @@ TEST(Api, SettingsOfVerifyHaveRanges)
     EXPECT_NO_THROW(verify(cage, Mat4d(1), {.rays = 0, .largest_rate = 1}));
 }
 
+TEST(Api, AnImageOfSidesBelow0HasNoLayers)
+{
+    const std::vector<std::string> channels{"R", "G", "B", "A"};
+    constexpr int kMost = std::numeric_limits<int>::max();
+    constexpr int kSides[][2] = {{-4, 4}, {4, -4}, {-4, -4}, {kMost, kMost}};
+    for (const auto& [width, height] : kSides) {
+        Image image(width, height);
+        EXPECT_THROW(image.add_layer("beauty", channels), Error) << width << " x " << height;
+        EXPECT_TRUE(image.layers().empty());
+    }
+    EXPECT_TRUE(Image(0, 4).add_layer("beauty", channels).pixels.empty());
+    EXPECT_EQ(Image(3, 4).add_layer("beauty", channels).pixels.size(), 48u);
+}
+
+TEST(Api, AChannelWithoutKeysChangesNothing)
+{
+    for (const Channel::Path path : {Channel::Path::Translation, Channel::Path::Rotation}) {
+        Channel channel;
+        channel.path = path;
+        channel.width = path == Channel::Path::Rotation ? 4 : 3;
+        double values[4] = {1, 2, 3, 4};
+        evaluate(channel, 0.5, {values, std::size_t(channel.width)});
+        for (int i = 0; i < 4; ++i) EXPECT_EQ(values[i], i + 1);
+        Scene scene;
+        channel.target = scene.add_node(scene.root(), {.place = {.translation = {1, 2, 3}}});
+        scene.pose(scene.add(Clip{"still", {channel}}), 0.5);
+        EXPECT_EQ(scene.world_from_node(channel.target), test::moved(1, 2, 3));
+    }
+}
+
 }  // namespace
 }  // namespace occam
