@@ -127,7 +127,7 @@ struct Job::State {
         const auto prepare_start = Clock::now();
         tables.emplace(renderer->topologies, scene);
         renderer->textures.prepare(scene);
-        refuse_bad_textures();
+        refuse_flaws();
         stats.seconds.texture = seconds_since(prepare_start) - renderer->textures.decode_seconds();
     }
 
@@ -159,19 +159,27 @@ struct Job::State {
         settings.clamp = result.clamp;  // from here on it is that of the picture as it was made
         settings.clamp_as_shown = false;
         resumed = {};
-        refuse_bad_textures();  // those whose texels turned out to be unreadable
+        refuse_flaws();  // of texels that turned out to be unreadable, and of cages that were made
         render::describe(image, camera, settings, stats);
         render::describe_mattes(image, scene, settings);
         finish_stats();
     }
 
-    void refuse_bad_textures() const
+    /// Lists what is amiss with textures and with cages on demand, as far as it is known by now.
+    std::vector<std::string> flaws_of_contents() const
+    {
+        std::vector<std::string> lines = renderer->textures.warnings();
+        for (std::string& line : tables->cache().repairs(scene)) lines.push_back(std::move(line));
+        return lines;
+    }
+
+    void refuse_flaws() const
     {
         std::vector<std::string> lines = renderer->textures.errors();
         if (settings.strict)
-            for (std::string& line : renderer->textures.warnings()) lines.push_back(std::move(line));
+            for (std::string& line : flaws_of_contents()) lines.push_back(std::move(line));
         if (lines.empty()) return;
-        const std::string more = lines.size() > 1 ? "and " + std::to_string(lines.size() - 1) + " more images" : "";
+        const std::string more = lines.size() > 1 ? "and " + std::to_string(lines.size() - 1) + " more such lines" : "";
         throw error_without_file(lines.front(), more);
     }
 
@@ -195,7 +203,7 @@ struct Job::State {
         for (std::string& warning :
              shade::input_warnings(scene, renderer->textures, settings.sky_strength, FrameScale(bounds)))
             stats.warnings.push_back(std::move(warning));
-        for (std::string& warning : renderer->textures.warnings()) stats.warnings.push_back(std::move(warning));
+        for (std::string& warning : flaws_of_contents()) stats.warnings.push_back(std::move(warning));
         if (!stats.complete && !control.is_cancelled())
             stats.warnings.push_back(stats.image.least_samples > 0
                                          ? "out of time: the picture has " + std::to_string(stats.image.least_samples) +
@@ -337,7 +345,7 @@ SampleColor Renderer::replay(Scene& scene, const Camera& camera, const Settings&
         frame.prepare();
         const render::SampleResult result = render::replay_sample(frame.inputs(Clock::time_point::max()),
                                                                   {which.x, which.y, which.sample}, out);
-        frame.refuse_bad_textures();  // those whose texels turned out to be unreadable
+        frame.refuse_flaws();  // of texels that turned out to be unreadable, and of cages that were made
         return {result.radiance, result.alpha};
     } catch (...) {
         state_->lights = {};  // it may be made from images that could not be decoded

@@ -4,6 +4,7 @@
 #include <bit>
 #include <mutex>
 #include <unordered_map>
+#include <utility>
 
 #include "base/hash.h"
 #include "lod/class_memory.h"
@@ -103,6 +104,27 @@ const CageTables& TopologyCache::get(const CageSlot& asked)
         tables.deformed_clusters = std::make_unique<DeformedClusters>(slot.cage, *tables.clusters);
     entry->positions_version = slot.positions_version;
     return tables;
+}
+
+std::vector<std::string> TopologyCache::repairs(const Scene& scene) const
+{
+    // get() takes the first lock while it holds that of an entry.
+    std::vector<std::pair<std::uint64_t, State::Entry*>> of_scene;
+    {
+        const std::lock_guard lock(state_->mutex);
+        for (const auto& [identity, entry] : state_->entries) {
+            const CageSlot* slot = scene.find(entry->cage);
+            if (slot && slot->identity == identity && slot->is_on_demand()) of_scene.emplace_back(identity, entry.get());
+        }
+    }
+    std::sort(of_scene.begin(), of_scene.end());
+    std::vector<std::string> lines;
+    for (const auto& [identity, entry] : of_scene) {
+        const std::lock_guard lock(entry->mutex);
+        if (const CageSlot* made = entry->tables.made.get())
+            lines.insert(lines.end(), made->repairs.begin(), made->repairs.end());
+    }
+    return lines;
 }
 
 std::size_t TopologyCache::class_bytes() const noexcept { return state_->classes->bytes(); }

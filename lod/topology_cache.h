@@ -8,6 +8,8 @@
 
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "lod/cage_curvature.h"
 #include "lod/clusters.h"
@@ -33,6 +35,9 @@ public:
     /// Returns the cage's tables, and makes them if they are new or its positions have changed. Throws what CageSlot::made()
     /// throws.
     const CageTables& get(const CageSlot& slot);
+    /// Returns what was repaired in the scene's cages on demand that are made by now, in the order in which they were added.
+    /// The scene must be one of those for which prune() keeps tables.
+    std::vector<std::string> repairs(const Scene& scene) const;
     /// Returns the bytes of the tables of all patch classes (class_memory.h).
     std::size_t class_bytes() const noexcept;
     /// Forgets cages that none of the scenes has. Workers may call get() for cages of these scenes meanwhile.

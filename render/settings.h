@@ -111,7 +111,8 @@ struct Settings {
     View view = View::Beauty;
     /// If false, rays pass the backs of single-sided surfaces (glTF 2.0, sec. 3.9.5), but not those of glass.
     bool back_faces = true;
-    bool strict = false;     ///< a texture that is missing, or made smaller to fit the memory, is an Error
+    /// A texture that is missing, or made smaller to fit the memory, is an Error; so is what is repaired in an OnDemandCage.
+    bool strict = false;
     bool background = true;  ///< draw sky or environment behind the scene; false: transparent
 
     bool has(Aov aov) const noexcept { return aovs.has(aov); }

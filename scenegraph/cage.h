@@ -122,10 +122,12 @@ struct Cage {
 /// A cage that is described by its bounds and is made when a ray first enters them.
 struct OnDemandCage {
     std::string name;
-    Box3d bounds;  ///< object axes; holds every vertex of the cage that `make` returns
+    Box3d bounds;  ///< object axes; not empty; holds every vertex of the cage that `make` returns
     /// Makes the cage. It must be a pure function: any thread calls it, perhaps more than once, and it must return the same
     /// cage each time. That cage has no skin, no morph targets and no displacement, and its materials are those below. If
-    /// the function throws, or the cage leaves the bounds, the frame ends with that error.
+    /// the function throws, or the cage leaves the bounds, the frame ends with that error. What sanitize() repairs is listed
+    /// in FrameStats::warnings, of each frame of a renderer that has the cage made by then, and is an Error with
+    /// Settings::strict; a Query and verify() do not say it.
     std::function<Cage()> make;
     std::vector<MaterialId> materials;  ///< slots; empty: the default material
 };

@@ -105,8 +105,9 @@ struct CageSlot {
     Poles poles;                                 ///< in lengths of the diagonal of the cage's box
     std::size_t derived_points = 0;              ///< the most that a pose has (large_parts.h); 0 for an OnDemandCage
     std::vector<std::uint32_t> unused_vertices;  ///< those that no face has, in ascending order; bounds do not hold them
-    DeformBoundsTable deform;    ///< one part, the whole cage; none if no skin and no morph target deforms the cage
-    std::function<Cage()> make;  ///< for an OnDemandCage, whose `cage` has a name and materials only
+    DeformBoundsTable deform;          ///< one part, the whole cage; none if no skin and no morph target deforms the cage
+    std::function<Cage()> make;        ///< for an OnDemandCage, whose `cage` has a name and materials only
+    std::vector<std::string> repairs;  ///< of what made() returns: the lines of sanitize(), which name the cage
 
     bool is_deformed() const noexcept { return deform.size() > 0; }
     bool is_on_demand() const noexcept { return bool(make); }

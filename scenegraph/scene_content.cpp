@@ -33,6 +33,14 @@ std::uint32_t largest_face(const Cage& cage)
     return corners;
 }
 
+/// Repairs a cage. Returns the lines of sanitize(), each with the cage's name.
+std::vector<std::string> repairs_of(Cage& cage)
+{
+    std::vector<std::string> lines = sanitize(cage);
+    for (std::string& line : lines) line = (cage.name.empty() ? "cage" : cage.name) + ": " + line;
+    return lines;
+}
+
 }  // namespace
 
 std::uint64_t next_identity() noexcept
@@ -51,7 +59,7 @@ CageSlot CageSlot::made() const
     slot.cage.name = cage.name;
     slot.cage.materials = cage.materials;  // first, since they decide which slots exist
     check(slot.cage);
-    sanitize(slot.cage);
+    slot.repairs = repairs_of(slot.cage);
     if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty() || slot.cage.displacement)
         throw error_without_file("a cage made on demand has neither skin nor morph targets nor displacement", cage.name);
     slot.unused_vertices = find_unused_vertices(slot.cage);
@@ -68,7 +76,9 @@ CageId Scene::add(OnDemandCage cage)
     if (!cage.make) throw error_without_file("a cage on demand needs something that makes it", cage.name);
     const auto is_number = [](const Vec3d& p) { return p == p; };
     const bool are_numbers = is_number(cage.bounds.lo) && is_number(cage.bounds.hi);
-    if (!are_numbers || (!cage.bounds.is_empty() && !(cage.bounds.largest_coordinate() <= double(kMaxCoordinate))))
+    if (are_numbers && cage.bounds.is_empty())
+        throw error_without_file("the bounds of a cage made on demand are empty: no ray would ever make it", cage.name);
+    if (!are_numbers || !(cage.bounds.largest_coordinate() <= double(kMaxCoordinate)))
         throw error_without_file("a bound is not finite, or beyond 1e16", cage.name);
     for (const MaterialId material : cage.materials)
         if (material) State::at(state_->materials, material, "material");
@@ -99,8 +109,7 @@ void Scene::State::check_handles(const Cage& cage) const
 void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::string>& warnings)
 {
     check(cage);
-    const std::string name = cage.name.empty() ? "cage" : cage.name;
-    for (const std::string& line : sanitize(cage)) warnings.push_back(name + ": " + line);
+    for (std::string& line : repairs_of(cage)) warnings.push_back(std::move(line));
     record.cage = std::move(cage);
     record.largest_face = largest_face(record.cage);
     record.derived_points = most_derived_points(record.cage);

@@ -4,7 +4,12 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <memory>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "occam/occam.h"
 #include "tests/support/shape_builders.h"
@@ -308,6 +313,45 @@ TEST(OnDemandCages, WithoutFacesShowNothing)
     EXPECT_GE(calls, 4);
 }
 
+TEST(OnDemandCages, SayInTheFrameWhatWasRepaired)
+{
+    std::atomic<int> calls = 0;
+    Cage broken = torus();
+    broken.face_vertices[5] = 1000000;
+    std::vector<std::string> lines;
+    for (std::string& line : sanitize(*std::make_unique<Cage>(broken))) lines.push_back("demanded: " + line);
+    ASSERT_FALSE(lines.empty());
+    const Camera camera = Camera::look_at({0, 0, 9}, {0, 0, 0}, {0, 1, 0}, 0.6f);
+    Scene scene;
+    OnDemandCage second = demanded(calls, broken);
+    second.name = "second";
+    place(scene, scene.add(demanded(calls, broken)), {0, 0, 0});
+    const NodeId other = place(scene, scene.add(second), {0.2, 0, 0});
+    std::vector<std::string> both = lines;
+    for (const std::string& line : lines) both.push_back("second" + line.substr(line.find(':')));
+    Renderer renderer;
+    for (int frame = 0; frame < 3; ++frame) {
+        renderer.render(scene, camera, kSmall);
+        EXPECT_EQ(renderer.stats().warnings, both) << "frame " << frame;
+        EXPECT_EQ(renderer.stats().scene.warnings, both.size());
+    }
+    EXPECT_TRUE(scene.warnings.empty()) << "a renderer writes nothing to the scene";
+
+    Settings strict = kSmall;
+    strict.strict = true;
+    for (Renderer fresh; Renderer * r : {&renderer, &fresh}) EXPECT_THROW(r->render(scene, camera, strict), Error);
+    std::ostringstream out;
+    EXPECT_THROW(Renderer().replay(scene, camera, strict, {32, 24, 0}, out), Error);
+
+    scene.remove(scene.node(other).cages[0]);
+    renderer.render(scene, camera, kSmall);
+    EXPECT_EQ(renderer.stats().warnings, lines) << "those of a removed cage are gone";
+    Scene sound;
+    place(sound, sound.add(demanded(calls, torus())), {0, 0, 0});
+    EXPECT_NO_THROW(renderer.render(sound, camera, strict));
+    EXPECT_TRUE(renderer.stats().warnings.empty());
+}
+
 TEST(OnDemandCages, NeedBoundsThatAreNumbers)
 {
     std::atomic<int> calls = 0;
@@ -317,6 +361,23 @@ TEST(OnDemandCages, NeedBoundsThatAreNumbers)
         (is_low ? cage.bounds.lo : cage.bounds.hi).y = std::numeric_limits<double>::quiet_NaN();
         EXPECT_THROW(scene.add(cage), Error);
     }
+}
+
+TEST(OnDemandCages, NeedBoundsThatHoldAPoint)
+{
+    std::atomic<int> calls = 0;
+    Scene scene;
+    OnDemandCage cage = demanded(calls, torus());
+    cage.bounds = {};
+    EXPECT_THROW(scene.add(cage), Error);
+    for (int axis = 0; axis < 3; ++axis) {
+        cage = demanded(calls, torus());
+        std::swap(cage.bounds.lo[axis], cage.bounds.hi[axis]);
+        EXPECT_THROW(scene.add(cage), Error);
+    }
+    cage.bounds = {Vec3d(1), Vec3d(1)};
+    EXPECT_NO_THROW(scene.add(cage)) << "a point is no empty box";
+    EXPECT_EQ(scene.counts().cages, 1u);
 }
 
 }  // namespace
