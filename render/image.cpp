@@ -1,9 +1,14 @@
 #include "render/image.h"
 
 #include <bit>
+#include <cstdint>
+#include <set>
+#include <span>
+#include <string>
 
 #include "base/error_without_file.h"
 #include "base/hash.h"
+#include "render/picture_formats.h"
 
 namespace occam::render {
 
@@ -38,6 +43,31 @@ std::uint64_t Image::checksum() const noexcept
             h = fnv1a(bytes, 4, h);
         }
     return h;
+}
+
+std::string channel_in_file(const Layer& layer, const std::string& channel)
+{
+    return layer.name == "beauty" ? channel : layer.name + "." + channel;
+}
+
+std::string why_not_written(std::span<const Layer> layers)
+{
+    constexpr std::size_t kLongest = 255;  // characters that OpenEXR takes
+    std::set<std::string> known;
+    for (const Layer& layer : layers) {
+        const std::string of = "layer '" + layer.name + "' ";
+        if (layer.name.empty()) return of + "has no name";
+        for (const std::string& channel : layer.channels) {
+            const std::string name = channel_in_file(layer, channel), its = of + "has a channel '" + channel + "', ";
+            if (channel.empty()) return of + "has a channel without a name";
+            if (channel.find('.') != std::string::npos) return its + "whose name has a dot: it would be another layer's";
+            if (name.find('\0') != std::string::npos) return its + "whose full name has a zero byte";
+            if (name.size() > kLongest)
+                return its + "whose full name has more than " + std::to_string(kLongest) + " characters";
+            if (!known.insert(name).second) return its + "as another layer of that name has, or itself";
+        }
+    }
+    return {};
 }
 
 }  // namespace occam::render

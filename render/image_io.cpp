@@ -26,6 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float kHalfMax = 65504.0f;
+constexpr float kRadianceMax = 0x1.fep126f;  ///< the exponent of a larger value would not fit into a byte
 [[noreturn]] void refuse(const fs::path& file, const std::string& why)
 {
     throw Error(file.string(), why, {}, Error::Kind::Output);
@@ -97,9 +98,9 @@ void write_pixels(const fs::path& file, const PictureSpec& spec, std::span<const
     target.publish();
 }
 
-// Names the channels: those of beauty have no prefix, others are layer.channel.
 void write_exr(const Image& image, const fs::path& file, const WriteOptions& options)
 {
+    if (const std::string why = why_not_written(image.layers()); !why.empty()) refuse(file, "cannot be written: " + why);
     std::size_t channels = 0;
     for (const Layer& layer : image.layers()) channels += layer.channel_count();
     if (channels == 0) refuse(file, "there is no layer to write");
@@ -120,7 +121,7 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
         const bool half = options.half && !layer.full_float;
         const std::size_t n = layer.channel_count();
         for (const std::string& channel : layer.channels) {
-            spec.channels.push_back(layer.name == "beauty" ? channel : layer.name + "." + channel);
+            spec.channels.push_back(channel_in_file(layer, channel));
             spec.channel_types.push_back(half ? SampleType::Half : SampleType::Float);
         }
         for (std::size_t i = 0; i < count; ++i)
@@ -141,7 +142,7 @@ void write_hdr(const Image& image, const fs::path& file, const WriteOptions& opt
     const std::size_t n = beauty->channel_count();
     std::vector<float> pixels;
     for (std::size_t i = 0; i < beauty->pixels.size(); i += n)
-        for (std::size_t c = 0; c < 3; ++c) pixels.push_back(std::max(0.0f, beauty->pixels[i + c]));
+        for (std::size_t c = 0; c < 3; ++c) pixels.push_back(std::min(std::max(0.0f, beauty->pixels[i + c]), kRadianceMax));
     write_pixels(file, base_spec(image, 3, SampleType::Float), {}, pixels, options.note);
 }
 

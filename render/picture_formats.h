@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "io/texture/open_image.h"
@@ -35,6 +36,12 @@ struct PictureFormat {
     int largest_side = std::numeric_limits<int>::max();  ///< pixels; some libraries end the process beyond it
     void (*write)(const Image& image, const std::filesystem::path& file, const WriteOptions& options) = nullptr;
 };
+
+/// Returns the name of a channel in a file of many layers: that of beauty has no prefix, others are layer.channel.
+std::string channel_in_file(const Layer& layer, const std::string& channel);
+/// Returns why a file cannot keep these layers apart: the name of one is empty or too long, or two are the same. Returns an
+/// empty string if it can.
+std::string why_not_written(std::span<const Layer> layers);
 
 std::span<const PictureFormat> picture_formats() noexcept;
 /// Returns the format that the extension of a file names, or null.

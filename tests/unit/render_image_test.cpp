@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "render/display.h"
@@ -148,6 +152,52 @@ TEST_F(ImageFile, TheRowsOfRadianceFilesBeginWhereTheirHeadSays)
     EXPECT_EQ(read("-Y 2 -X 3", {3, 2, 1, 6, 5, 4}), expected);
     EXPECT_EQ(read("+Y 2 -X 3", {6, 5, 4, 3, 2, 1}), expected);
     EXPECT_THROW(read("+X 3 -Y 2", {1, 2, 3, 4, 5, 6}), Error);
+}
+
+// The exponent of a large value did not fit into its byte, so that the brightest pixels were black.
+TEST_F(ImageFile, WhatIsTooBrightForRadianceIsItsLargestValue)
+{
+    constexpr float kLargest = 0x1.fep126f;
+    const float values[] = {INFINITY, std::numeric_limits<float>::max(), 0x1p127f, kLargest, 0x1p126f, 1, -INFINITY, NAN};
+    const float expected[] = {kLargest, kLargest, kLargest, kLargest, 0x1p126f, 1, 0, 0};
+    Image image(8, 1);
+    Layer& beauty = image.add_layer("beauty", {"R", "G", "B"});
+    for (std::size_t i = 0; i < 8; ++i) std::fill_n(&beauty.pixels[3 * i], 3, values[i]);
+    image.write(folder / "bright.hdr");
+    const Image read = Image::read(folder / "bright.hdr");
+    for (std::size_t i = 0; i < 8; ++i)
+        for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(read.layers()[0].pixels[3 * i + c], expected[i]) << i;
+}
+
+TEST_F(ImageFile, LayersThatAFileCannotKeepApartAreRefusedByName)
+{
+    const auto error_of = [&](const std::vector<std::pair<std::string, std::vector<std::string>>>& layers) {
+        Image image(2, 2);
+        image.add_layer("beauty", {"R", "G", "B"});
+        for (const auto& [name, channels] : layers) image.add_layer(name, channels);
+        try {
+            image.write(folder / "layers.exr");
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), Error::Kind::Output);
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    const std::string longest(253, 'n'), too_long = longest + 'n';
+    const auto names = [&](const std::string& error, const std::string& name) {
+        return error.find("cannot be written: layer '" + name + "' ") != std::string::npos;
+    };
+    EXPECT_TRUE(names(error_of({{"", {"Z"}}}), ""));
+    EXPECT_TRUE(names(error_of({{too_long, {"Z"}}}), too_long));
+    EXPECT_TRUE(names(error_of({{"twice", {"X"}}, {"twice", {"X"}}}), "twice"));
+    EXPECT_TRUE(names(error_of({{"twice", {"X", "X"}}}), "twice"));
+    EXPECT_TRUE(names(error_of({{"beauty", {"R"}}}), "beauty"));
+    EXPECT_TRUE(names(error_of({{"dotted", {"a.X"}}}), "dotted"));
+    EXPECT_TRUE(names(error_of({{"nameless", {""}}}), "nameless"));
+    EXPECT_TRUE(names(error_of({{std::string("zero\0", 5), {"X"}}}), "zero\\x00"));
+    EXPECT_EQ(files(), 0u) << "nothing is left";
+    EXPECT_EQ(error_of({{longest, {"Z"}}, {"a.b", {"X"}}, {"a", {"X"}}}), "");
+    EXPECT_TRUE(Image::read(folder / "layers.exr").find(longest));
 }
 
 TEST_F(ImageFile, AnExposureThatIsNoNumberIsAnError)
