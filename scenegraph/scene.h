@@ -10,7 +10,8 @@
 //          are not guarded: change them between frames. Several threads may begin frames of one scene at once.
 // Memory   What a function returns by reference is valid until the next edit. A scene may be moved, but not while it is
 //          borrowed; one that was moved from may only be destroyed or assigned to.
-// Errors   every call with a dead or foreign handle throws an Error and changes nothing.
+// Errors   a call with a dead or foreign handle throws an Error and changes nothing, but for those that ask by it and are
+//          noexcept, which return null or false, and remove(AddedScene), which passes over what is gone.
 #pragma once
 
 #include <atomic>
@@ -205,9 +206,9 @@ public:
     NodeId copy(NodeId subtree, NodeId parent);
     /// Adds all of another scene below `parent`, as scene.add(occam::load("fox.glb"), scene.root()) does. Its content is
     /// moved, not copied, and all of its handles are dead from then on. It shows what it showed, and has a pose of its own,
-    /// as have the copies within it, but the keys of record_shutter() are dropped. Warnings, notes and files are appended,
-    /// variants are not. If there is not enough memory, this scene stays as it is, and the other one is lost; after any
-    /// other Error both stay as they are.
+    /// as have the copies within it, but the keys of record_shutter() are dropped. Warnings and notes are appended, and so
+    /// are those files that are not listed yet; variants are not. If there is not enough memory, this scene stays as it is,
+    /// and the other one is lost; after any other Error both stay as they are.
     AddedScene add(Scene&& part, NodeId parent);
     /// Removes the subtree of AddedScene::node as it is now, and the clips, skins, cages, lights and cameras that came with
     /// the other scene, whatever still refers to them; then its materials and textures, but for those that something uses.
@@ -331,9 +332,11 @@ public:
     /// content without end should clear it.
     std::vector<std::string> warnings;
     /// Lists what the importer chose where the file leaves a choice, such as whether polygons are subdivided: one line each.
+    /// An application that adds content without end should clear it, too.
     std::vector<std::string> notes;
     /// Lists the files that the scene was read from, and those that they name if these are there, used or not: libraries,
-    /// buffers, images. An application may watch them, and must not write over them.
+    /// buffers, images. An application may watch them, and must not write over them. Those of a part stay when it is
+    /// removed.
     std::vector<std::filesystem::path> files;
     /// The names under which the file offers alternative materials (KHR_materials_variants).
     std::vector<std::string> variants;

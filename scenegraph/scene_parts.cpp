@@ -1,6 +1,10 @@
 // Adds one scene to another: what the part holds is moved, and refers to its new handles.
 #include <algorithm>
+#include <filesystem>
+#include <string_view>
 #include <unordered_map>
+#include <unordered_set>
+#include <vector>
 
 #include "base/error_without_file.h"
 #include "scenegraph/scene_state.h"
@@ -231,6 +235,20 @@ private:
     NewHandles<ClipTag> clips_;
 };
 
+namespace {
+
+/// Appends those files that are not listed yet, so that parts which come and go do not make the list longer without end.
+void add_files(std::vector<std::filesystem::path>& files, const std::vector<std::filesystem::path>& more)
+{
+    files.reserve(files.size() + more.size());  // the paths that are known by reference stay in their places
+    std::unordered_set<std::string_view> known;
+    for (const std::filesystem::path& file : files) known.insert(file.native());
+    for (const std::filesystem::path& file : more)
+        if (!known.contains(file.native())) known.insert(files.emplace_back(file).native());
+}
+
+}  // namespace
+
 AddedScene Scene::add(Scene&& other, NodeId parent)
 {
     if (!state_ || !other.state_) throw error_without_file("a scene that was moved from cannot be added");
@@ -258,7 +276,7 @@ AddedScene Scene::add(Scene&& other, NodeId parent)
     AddedScene made = addition.all(addition.move_clips());
     warnings.insert(warnings.end(), part.warnings.begin(), part.warnings.end());
     notes.insert(notes.end(), part.notes.begin(), part.notes.end());
-    files.insert(files.end(), part.files.begin(), part.files.end());
+    add_files(files, part.files);
     added.keep();
     return made;
 }

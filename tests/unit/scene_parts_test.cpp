@@ -1,7 +1,10 @@
 // Tests of scenes that are put together from other scenes, such as those of several files.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "occam/occam.h"
 #include "tests/support/displaced_cages.h"
@@ -360,6 +363,20 @@ TEST(SceneParts, KeepTheOrderInWhichTheirNodesWereAdded)
     Scene scene;
     scene.add(std::move(part), scene.root());
     EXPECT_EQ(scene.camera_names(), (std::vector<std::string>{"one", "two"}));
+}
+
+// A game that loads and unloads the same level had its files once for each time.
+TEST(SceneParts, BringTheirFilesOnce)
+{
+    using Files = std::vector<std::filesystem::path>;
+    Scene scene;
+    scene.files = {"game.glb", "wood.png"};
+    for (int round = 0; round < 3; ++round) {
+        Scene part;
+        part.files = {"level.glb", "wood.png", "level.glb", "a file with a name that is long.bin"};
+        scene.remove(scene.add(std::move(part), scene.root()));
+        EXPECT_EQ(scene.files, Files({"game.glb", "wood.png", "level.glb", "a file with a name that is long.bin"}));
+    }
 }
 
 }  // namespace
