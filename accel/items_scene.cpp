@@ -7,6 +7,7 @@
 #include "lod/cage_motion.h"
 #include "lod/pose_cage.h"
 #include "scenegraph/child_boxes.h"
+#include "scenegraph/content_rules.h"
 
 namespace occam::accel {
 namespace {
@@ -39,7 +40,7 @@ std::string Items::name_of(ItemIndex i) const
     const Item& item = items_[i];
     if (item.kind != Item::SceneNode && item.kind != Item::Children && item.kind != Item::Unmade) {
         const lod::PosedCage& cage = item.cage();
-        return cage.node->name.empty() && !cage.slot->cage.name.empty() ? "mesh " + cage.slot->cage.name
+        return cage.node->name.empty() && !cage.slot->cage.name.empty() ? naming("cage", cage.slot->cage.name)
                                                                         : naming(*cage.node);
     }
     // Instances often have no name of their own.

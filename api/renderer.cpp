@@ -42,7 +42,8 @@ void check_inputs(const Scene& scene, const Camera& camera, const Settings& sett
 {
     render::check(settings);
     check(scene.environment);
-    if (scene.environment.image) static_cast<void>(scene.texture(scene.environment.image));  // throws for a foreign handle
+    if (scene.environment.image && !scene.find(scene.environment.image))
+        throw error_without_file("the image must be a texture of the scene that was not removed", "environment");
     check(camera);
     if (settings.lod_camera) check(*settings.lod_camera);
 }

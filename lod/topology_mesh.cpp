@@ -11,6 +11,7 @@
 #include "base/error_without_file.h"
 #include "lod/derived_points.h"
 #include "lod/fan_limits.h"
+#include "scenegraph/content_rules.h"
 
 namespace occam::lod {
 
@@ -148,7 +149,7 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
     const bool is_bilinear = cage.scheme == Scheme::Bilinear;
     const RefinerFactory::Options options{is_bilinear ? Sdc::SCHEME_BILINEAR : Sdc::SCHEME_CATMARK, sdc_options(cage)};
     auto refiner = RefinerFactory::make(d, options);
-    if (!refiner) throw error_without_file("the cage is beyond what can be refined", cage.name);
+    if (!refiner) throw error_without_file("the cage is beyond what can be refined", naming("cage", cage.name));
     if (is_bilinear) return refiner;
     const std::vector<int> held = vertices_without_one_limit(refiner->GetLevel(0));
     if (held.empty()) return refiner;

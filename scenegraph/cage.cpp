@@ -6,6 +6,7 @@
 
 #include "base/error_without_file.h"
 #include "scenegraph/cage_creases.h"
+#include "scenegraph/content_rules.h"
 
 namespace occam {
 
@@ -42,7 +43,7 @@ private:
     }
     void require(bool holds, const char* rule) const
     {
-        if (!holds) throw error_without_file(rule, cage_.name.empty() ? "cage" : "cage '" + cage_.name + "'");
+        if (!holds) throw error_without_file(rule, naming("cage", cage_.name));
     }
 
     void check_sizes() const

@@ -13,7 +13,7 @@ namespace {
 // Checks the values of one object.
 class Rules {
 public:
-    Rules(const char* kind, const std::string& name) : where_(name.empty() ? kind : std::string(kind) + " '" + name + "'") {}
+    Rules(const char* kind, const std::string& name) : where_(naming(kind, name)) {}
 
     void require(bool holds, const char* value, const char* rule) const
     {
@@ -59,6 +59,11 @@ void check_use(const Rules& rules, const TextureUse& use)
 }
 
 }  // namespace
+
+std::string naming(const char* kind, const std::string& name)
+{
+    return name.empty() ? kind : std::string(kind) + " '" + name + "'";
+}
 
 Mat4d checked_affine(const Mat4d& m, const char* value, const char* kind, const std::string& name)
 {
@@ -120,7 +125,7 @@ void check(const Texture& texture)
     Rules("texture", texture.name).choice(texture.role, TextureRole::Data, "the role");
     if (!texture.pixels.empty() && (texture.width <= 0 || texture.height <= 0 ||
                                     texture.pixels.size() != std::size_t(texture.width) * std::size_t(texture.height)))
-        throw error_without_file("a texture's pixels must be width * height", texture.name);
+        throw error_without_file("a texture's pixels must be width * height", naming("texture", texture.name));
 }
 
 void check(const Light& light)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "scenegraph/animation.h"
 #include "scenegraph/cage.h"
@@ -12,6 +13,9 @@
 #include "scenegraph/texture.h"
 
 namespace occam {
+
+/// Names an object in a message: its kind and, if it has one, its name, as in "cage 'fish'".
+std::string naming(const char* kind, const std::string& name);
 
 /// Returns an affine matrix with a last row of exactly 0, 0, 0, 1, which products and inverses may have rounded. Throws
 /// Error if the matrix is not finite or not affine.

@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "base/error_without_file.h"
+#include "scenegraph/content_rules.h"
 #include "scenegraph/scene_state.h"
 
 namespace occam {
@@ -133,11 +134,12 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
     State& s = *state_;
     s.require_editable();
     if (of && !s.posed.contains(of))
-        throw error_without_file("only what copy() or add() made has a pose of its own", node(of).name);
+        throw error_without_file("only what copy() or add() made has a pose of its own", naming("node", node(of).name));
     for (const ClipAt& at : clips) {
         State::at(s.clips, at.clip, "clip");
         if (!std::isfinite(at.seconds) || !(at.weight >= 0) || !std::isfinite(at.weight))
-            throw error_without_file("a clip needs finite seconds and a weight of 0 or more", clip(at.clip).name);
+            throw error_without_file("a clip needs finite seconds and a weight of 0 or more",
+                                     naming("clip", clip(at.clip).name));
     }
     // Weights whose sums could overflow count by a smaller unit.
     const bool are_large = std::any_of(clips.begin(), clips.end(), [](const ClipAt& at) { return at.weight > 1e200; });
@@ -159,7 +161,7 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
             const auto [entry, is_new] = sums.try_emplace(target);
             if (is_new) order.push_back(target);
             if (!entry->second.add(channel, at.seconds, weight_of(at)))
-                throw error_without_file("a clip's value is beyond the largest float", clip(at.clip).name);
+                throw error_without_file("a clip's value is beyond the largest float", naming("clip", clip(at.clip).name));
         }
 
     // If there is not enough memory for all of them, those that were moved are known, and the next call restores them.
@@ -236,7 +238,7 @@ NodeId Scene::copy(NodeId subtree, NodeId parent)
     State::at(s.nodes, subtree, "node");
     State::at(s.nodes, parent, "node");
     if (s.lowest_common(subtree, parent) == subtree)
-        throw error_without_file("a subtree cannot be copied into itself", node(subtree).name);
+        throw error_without_file("a subtree cannot be copied into itself", naming("node", node(subtree).name));
     const std::vector<NodeId> originals = s.subtree_to_copy(subtree, parent);
 
     State::Posed copy;

@@ -18,7 +18,7 @@ namespace {
 template <class Tag>
 std::string named(const char* kind, const std::string& name, Handle<Tag> id)
 {
-    if (!name.empty()) return kind + (" '" + name) + "'";
+    if (!name.empty()) return naming(kind, name);
     return kind + (" of slot " + std::to_string(id.slot)) + ", generation " + std::to_string(id.generation);
 }
 Error is_used(const std::string& what, const std::string& user)
@@ -61,11 +61,12 @@ CageSlot CageSlot::made() const
     check(slot.cage);
     slot.repairs = repairs_of(slot.cage);
     if (slot.cage.skin.sets > 0 || !slot.cage.morph_targets.empty() || slot.cage.displacement)
-        throw error_without_file("a cage made on demand has neither skin nor morph targets nor displacement", cage.name);
+        throw error_without_file("a cage made on demand has neither skin nor morph targets nor displacement",
+                                 naming("cage", cage.name));
     slot.unused_vertices = find_unused_vertices(slot.cage);
     const Box3d box = box_of_used(slot, slot.cage.positions);
     if (!box.is_empty() && (glm::any(glm::lessThan(box.lo, bounds.lo)) || glm::any(glm::greaterThan(box.hi, bounds.hi))))
-        throw error_without_file("a cage made on demand leaves its bounds", cage.name);
+        throw error_without_file("a cage made on demand leaves its bounds", naming("cage", cage.name));
     slot.poles = PoleFaces(slot.cage).measure(slot.cage, slot.cage.positions, box);
     return slot;
 }
@@ -73,13 +74,14 @@ CageSlot CageSlot::made() const
 CageId Scene::add(OnDemandCage cage)
 {
     state_->require_editable();
-    if (!cage.make) throw error_without_file("a cage on demand needs something that makes it", cage.name);
+    const std::string where = naming("cage", cage.name);
+    if (!cage.make) throw error_without_file("a cage on demand needs something that makes it", where);
     const auto is_number = [](const Vec3d& p) { return p == p; };
     const bool are_numbers = is_number(cage.bounds.lo) && is_number(cage.bounds.hi);
     if (are_numbers && cage.bounds.is_empty())
-        throw error_without_file("the bounds of a cage made on demand are empty: no ray would ever make it", cage.name);
+        throw error_without_file("the bounds of a cage made on demand are empty: no ray would ever make it", where);
     if (!are_numbers || !(cage.bounds.largest_coordinate() <= double(kMaxCoordinate)))
-        throw error_without_file("a bound is not finite, or beyond 1e16", cage.name);
+        throw error_without_file("a bound is not finite, or beyond 1e16", where);
     for (const MaterialId material : cage.materials)
         if (material) State::at(state_->materials, material, "material");
     State::CageRecord record;
@@ -260,12 +262,14 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
 {
     state_->require_editable();
     State::CageRecord& record = State::at(state_->cages, id, "cage");
-    if (record.is_on_demand()) throw error_without_file("a cage made on demand has no vertices to write", record.cage.name);
+    const auto where = [&] { return naming("cage", record.cage.name); };
+    if (record.is_on_demand()) throw error_without_file("a cage made on demand has no vertices to write", where());
     if (positions.size() != record.cage.positions.size())
-        throw error_without_file("write_vertices needs as many positions as the cage has",
-                                 std::to_string(positions.size()) + " for " + std::to_string(record.cage.positions.size()));
+        throw error_without_file(
+            "write_vertices needs as many positions as the cage has",
+            where() + ": " + std::to_string(positions.size()) + " for " + std::to_string(record.cage.positions.size()));
     for (Vec3f p : positions)
-        if (!is_usable(p)) throw error_without_file("a position is not finite, or beyond 1e16", record.cage.name);
+        if (!is_usable(p)) throw error_without_file("a position is not finite, or beyond 1e16", where());
     // The positions may be the cage's own: at a key of its shutter, which is dropped now, or those that are written.
     std::vector<Vec3f> own;
     if (!record.key_positions.empty() || positions.data() == record.cage.positions.data()) {

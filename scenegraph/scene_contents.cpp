@@ -9,6 +9,7 @@
 #include "base/cancellation.h"
 #include "base/error_without_file.h"
 #include "scenegraph/child_boxes.h"
+#include "scenegraph/content_rules.h"
 #include "scenegraph/material_limits.h"
 #include "scenegraph/scene_state.h"
 #include "scenegraph/shown_nodes.h"
@@ -173,7 +174,7 @@ Contents Scene::State::own_contents(const NodeRecord& node) const noexcept
     return contents;
 }
 
-std::string naming(const Node& node) { return node.name.empty() ? "a node without a name" : "node " + node.name; }
+std::string naming(const Node& node) { return node.name.empty() ? "a node without a name" : naming("node", node.name); }
 
 Error too_many_placements(const Node& node)
 {

@@ -10,7 +10,7 @@ namespace occam {
 
 Error Scene::State::shows_itself(const std::string& name)
 {
-    return error_without_file("a node cannot show itself, as its own child or as an instance", name);
+    return error_without_file("a node cannot show itself, as its own child or as an instance", naming("node", name));
 }
 
 bool Scene::State::is_shown_by(NodeId below, NodeId above) const

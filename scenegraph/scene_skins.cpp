@@ -231,7 +231,7 @@ SkinId Scene::add(Skin skin)
     state_->require_editable();
     for (NodeId joint : skin.joints) State::at(state_->nodes, joint, "node");
     if (!skin.joint_from_mesh.empty() && skin.joint_from_mesh.size() != skin.joints.size())
-        throw error_without_file("a skin needs one inverse bind matrix a joint, or none", skin.name);
+        throw error_without_file("a skin needs one inverse bind matrix a joint, or none", naming("skin", skin.name));
     for (Mat4d& m : skin.joint_from_mesh) m = checked_affine(m, "an inverse bind matrix", "skin", skin.name);
     return state_->add_skin(std::move(skin));
 }

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "base/unit_vector.h"
@@ -287,6 +288,49 @@ TEST(Api, AChannelWithoutKeysChangesNothing)
         scene.pose(scene.add(Clip{"still", {channel}}), 0.5);
         EXPECT_EQ(scene.world_from_node(channel.target), test::moved(1, 2, 3));
     }
+}
+
+// Some messages had the name alone, "(wheel)", and some the kind as well.
+TEST(Api, MessagesNameElementsByKindAndName)
+{
+    Scene scene;
+    const NodeId node = scene.add_node(scene.root(), {.name = "wheel"}), nameless = scene.add_node(scene.root(), {});
+    Cage square = test::textured_square();
+    square.name = "tile";
+    const CageId cage = scene.add(std::move(square));
+    const auto ends_with = [](const std::string& text, const std::string& end) { return text.ends_with(end); };
+    EXPECT_PRED2(ends_with, error_of([&] { scene.set_parent(node, node); }), " (node 'wheel')");
+    EXPECT_PRED2(ends_with, error_of([&] { scene.set_parent(nameless, nameless); }), " (node)");
+    EXPECT_PRED2(ends_with, error_of([&] { scene.copy(node, node); }), " (node 'wheel')");
+    EXPECT_PRED2(ends_with, error_of([&] { scene.write_vertices(cage, {}); }), " (cage 'tile': 0 for 4)");
+    EXPECT_PRED2(ends_with, error_of([&] {
+                     OnDemandCage later;
+                     later.name = "later";
+                     scene.add(later);
+                 }),
+                 " (cage 'later')");
+    EXPECT_PRED2(ends_with, error_of([&] {
+                     Skin skin;
+                     skin.name = "hide";
+                     skin.joint_from_mesh = {Mat4d(1)};
+                     scene.add(std::move(skin));
+                 }),
+                 " (skin 'hide')");
+    Clip clip;
+    clip.name = "walk";
+    EXPECT_PRED2(ends_with, error_of([&] { scene.pose(scene.add(std::move(clip)), NAN); }), " (clip 'walk')");
+    Texture texture;
+    texture.name = "bark";
+    texture.pixels = {Vec4f(1)};
+    EXPECT_PRED2(ends_with, error_of([&] { scene.add(texture); }), " (texture 'bark')");
+}
+
+TEST(Api, ADeadImageOfTheEnvironmentIsSaidToBeThat)
+{
+    Scene scene;
+    scene.environment.image = TextureId{77, 3};
+    const std::string why = error_of([&] { Renderer().render(scene, Camera(), {.width = 4, .height = 4, .spp = 1}); });
+    EXPECT_EQ(why, "the image must be a texture of the scene that was not removed (environment)");
 }
 
 }  // namespace

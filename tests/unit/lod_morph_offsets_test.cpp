@@ -75,7 +75,7 @@ TEST(MorphOffsets, AreCountedWithInstancesAndRefusedBeyondTheirLimit)
         ADD_FAILURE() << "not refused";
     } catch (const Error& error) {
         const std::string text = error.what();
-        EXPECT_NE(text.find("offsets, and 1.72e+10 is the limit (node crowd)"), std::string::npos) << text;
+        EXPECT_NE(text.find("offsets, and 1.72e+10 is the limit (node 'crowd')"), std::string::npos) << text;
     }
 }
 
