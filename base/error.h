@@ -1,5 +1,5 @@
-// The engine's one exception, for bad input. Importers and api/ validate before rendering; after the first tile nothing
-// throws.
+// The engine's one exception, for bad input. Importers and api/ validate before rendering. After the first tile a frame ends
+// with an exception only for what is known no sooner: texels that cannot be decoded, cages made on demand, and memory.
 #pragma once
 
 #include <stdexcept>

@@ -8,7 +8,8 @@
 // The application owns the scene. Renderers, jobs and queries only borrow it, and while one of them works on it, edits
 // throw; what has no function to edit it, such as Scene::environment, must stay as it is. What fails throws an occam::Error
 // that names the reason and, as far as there are any, file and element. Where there is not enough memory it may be a
-// std::bad_alloc instead; what a callback of the application throws is passed on as it is.
+// std::bad_alloc instead. What a callback of the application throws is passed on as it is, but for a std::bad_alloc: that
+// counts as any other lack of memory, so that frames end with an Error that says so.
 #pragma once
 
 #include <chrono>
@@ -167,7 +168,10 @@ struct Hit {
     NodeId instance;         ///< the innermost node that shows that one by NodeDesc::instance_of; null: none does
     CageId cage;             ///< of the node's cages
     std::uint32_t face = 0;  ///< index in the cage
-    Vec3f velocity{0};       ///< of the surface there at the ray's time, by its own motion: world length per shutter
+    /// Of the surface there at the ray's time, by its own motion: world length per shutter. Between two keys of the shutter
+    /// the surface moves straight on, and this is the slope of that segment; at a key, that of the segment which begins
+    /// there or, at the end of the shutter, ends there.
+    Vec3f velocity{0};
 };
 
 /// The full width of a ray's beam, which is `width + spread * t` at the distance t, in world length. It decides how fine the
