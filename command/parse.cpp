@@ -177,7 +177,7 @@ void add_machine(CLI::App& app, RenderArguments& a)
                                {"openjd", ProgressStyle::OpenJd},
                                {"none", ProgressStyle::None}},
                               "A bar on a terminal, lines, Open Job Description lines [auto]");
-    app.add_flag("-q,--quiet", a.quiet, "No progress; warnings are printed all the same");
+    app.add_flag("-q,--quiet", a.quiet, "No progress; warnings and notes are printed all the same");
     app.add_flag("-v,--verbose", a.verbose, "All warnings instead of five, and the figures of the frame");
 }
 

@@ -19,7 +19,7 @@ CLI::App& add_compare(CLI::App& all, CompareArguments& a)
     app.add_flag("--json", a.json, "All common layers as JSON");
     app.add_option("--layer", a.layer, "Layer of the limits and the heat map [beauty]")->type_name("NAME");
     CLI::Option* heat = app.add_option("--heat", a.heat, "Write a map of the differences")->type_name("FILE");
-    add_amount(app, "--heat-scale", "Difference that is shown as white [the largest]", [&](double v) {
+    add_amount(app, "--heat-scale", "Difference that is shown as white; 0: the largest [0]", [&](double v) {
         a.heat_scale = v;
     })->needs(heat);
     add_limit(app, "--max-mse", a.max_mse, "Exit code 1 if the mean squared error is larger");

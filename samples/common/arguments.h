@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -35,6 +36,12 @@ public:
         const std::string_view word = words_[next_++];
         if (word.empty() || word[0] == '-') throw occam::Error("", "there is no such option (--help)", std::string(word));
         return word;
+    }
+    /// Returns the next argument. Throws occam::Error if there is none.
+    std::filesystem::path required_path(const char* name)
+    {
+        if (!has_more()) throw occam::Error("", std::string(name) + " is missing (--help)");
+        return path("");
     }
     /// Returns the next argument as a number from `least` to `most`, or `otherwise` if there is none.
     int number(const char* name, int least, int most, int otherwise)

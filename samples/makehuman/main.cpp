@@ -16,7 +16,7 @@ int main(int argc, char** argv)
 try {
     sample::Arguments arguments(argc, argv);
     if (arguments.wants_help("occam_makehuman DATA [FOLDER] [FRAMES] [WIDTH HEIGHT]")) return 0;
-    const std::filesystem::path data = arguments.path("makehuman"), folder = arguments.path("pictures");
+    const std::filesystem::path data = arguments.required_path("DATA"), folder = arguments.path("pictures");
     const int frames = arguments.number("FRAMES", 1, 9999, 48);
     Settings settings{.width = 640, .height = 360, .spp = 16};
     arguments.size(settings.width, settings.height);
