@@ -223,7 +223,8 @@ Mat4d of_size(double size)
 constexpr const char* kVanishes = "nodes that reach beyond 1e16, beside which the rest of the scene vanishes: 1";
 constexpr const char* kLost = "nodes whose place in the world is not finite, which are not seen: 1";
 
-// Returns what a frame of a torus at the origin and of another one that is placed like this warns of.
+// Returns what a frame of a torus at the origin and of another one that is placed like this warns of, and the largest
+// number of a surface that is seen: 0 if none is.
 Picture beside(const Mat4d& far, const Mat4d& above = Mat4d(1))
 {
     Scene scene = scene_of({});
@@ -231,9 +232,9 @@ Picture beside(const Mat4d& far, const Mat4d& above = Mat4d(1))
     scene.add_node(parent, {.matrix = far, .cages = {scene.add(torus())}});
     Renderer renderer({.threads = 1});
     const Image image = renderer.render(scene, Camera::look_at({0, 2, 4}, Vec3d(0), {0, 1, 0}, 0.8f),
-                                        {.width = 24, .height = 16, .spp = 1});
+                                        {.width = 24, .height = 16, .spp = 1, .aovs = Aov::Id});
     Picture out;
-    for (const float value : image.find("beauty")->pixels) out.brightest = std::max(out.brightest, value);
+    for (const float value : image.find("id")->pixels) out.brightest = std::max(out.brightest, value);
     out.warnings = renderer.stats().warnings;
     return out;
 }
