@@ -11,6 +11,7 @@
 
 #include "base/error_without_file.h"
 #include "base/matrix.h"
+#include "scenegraph/content_rules.h"
 #include "scenegraph/scene_state.h"
 #include "scenegraph/shutter.h"
 
@@ -141,7 +142,7 @@ void Scene::State::about_to_write(CageId id, CageRecord& cage)
     if (!recorder) return drop_keys(cage);
     if (cage.is_deformed())
         throw error_without_file("a cage with a skin or morph targets keeps its vertices while a shutter is recorded",
-                                 cage.cage.name);
+                                 naming("cage", cage.cage.name));
     if (!recorder->cages.contains(id))
         recorder->cages.emplace(id, std::vector<std::vector<Vec3f>>(recorder->keys_done, cage.cage.positions));
 }
