@@ -3,7 +3,7 @@
 // 16 x 16 tori stand side by side. *small*: each moves by a tenth of its size while the shutter is open, its own way.
 // *wheels*: each turns by a quarter, in four segments. *together*: all move by twenty sizes the same way. *apart*: each
 // flies four sizes, its own way; *chaos*: twenty sizes. Camera rays have random times; diffuse rays start at their hits and
-// inherit them. Where things fly far, the kd-tree is measured with a part of the batches, since each ray takes long.
+// inherit them. Where things fly far, the kd-tree is measured with a part of the rays, since each ray takes long.
 //
 // *Table 4* is after that of Hou et al. 2010: what building and tracing take where boxes are interpolated at each ray's
 // time, and where they hold all times. In *large motion* and *mild motion* the tori fly four sizes, or a tenth of their
@@ -67,12 +67,13 @@ void record(Scene& scene, const Motion& motion)
     });
 }
 
-// Returns the rays of one of so many batches, from all over the picture.
-std::vector<accel::Ray> some_batches(const std::vector<accel::Ray>& rays, std::size_t part)
+// Returns one of so many rays, in pieces of neighbours from all over the picture.
+std::vector<accel::Ray> some_pieces(const std::vector<accel::Ray>& rays, std::size_t part)
 {
+    constexpr std::size_t kPiece = 16;
     std::vector<accel::Ray> some;
     for (std::size_t i = 0; i < rays.size(); ++i)
-        if (i / kBatch % part == part / 2) some.push_back(rays[i]);
+        if (i / kPiece % part == part / 2) some.push_back(rays[i]);
     return some;
 }
 
@@ -93,7 +94,7 @@ void add_rows(Report& report, const Motion& motion)
     TreePair trees(scene, topologies, camera.levels(1), kMemoryBytes);
     std::vector<accel::SurfaceHit> hits(rays.size());
     const double start = thread_seconds();
-    trace_closest(trees.kd, some_batches(rays, motion.kd_part), hits);
+    trace_closest(trees.kd, some_pieces(rays, motion.kd_part), hits);
     const double kd_cold = thread_seconds() - start;
     trace_closest(trees.bvh, rays, hits);
     const double bvh_cold = thread_seconds() - start - kd_cold;
@@ -101,7 +102,7 @@ void add_rows(Report& report, const Motion& motion)
     for (const bool is_camera : {true, false}) {
         const std::vector<accel::Ray>& all = is_camera ? rays : diffuse;
         hits.resize(all.size());
-        const std::vector<accel::Ray> some = some_batches(all, motion.kd_part);
+        const std::vector<accel::Ray> some = some_pieces(all, motion.kd_part);
         std::vector<double> kd, bvh;
         trace_closest(trees.kd, some, hits);
         trace_closest(trees.bvh, all, hits);
@@ -126,7 +127,7 @@ void add_table_row(Report& report, const Motion& motion)
     scene.refit();
     const render::CameraRays camera(Camera::look_at({0, 26, 40}, {0, 0, 0}, {0, 1, 0}, 0.9f), kTableWidth, kTableWidth);
     const std::vector<accel::Ray> rays = rays_of_a_frame(camera, kTableWidth, kTableWidth, kTableSamples);
-    const std::vector<accel::Ray> some = some_batches(rays, motion.kd_part);
+    const std::vector<accel::Ray> some = some_pieces(rays, motion.kd_part);
     lod::TopologyCache topologies;
     TreePair trees(scene, topologies, camera.levels(1), kMemoryBytes);
     std::vector<accel::SurfaceHit> hits(rays.size());
