@@ -8,6 +8,9 @@ namespace {
 
 using OwnBlend = VertexBlendOf<float>;
 
+// Returns the blend of a ray that sees one level of a pair alone.
+OwnBlend at_end(bool is_coarse) noexcept { return {{0, 0, 0}, is_coarse ? 1.0f : 0.0f}; }
+
 // Returns a vertex of a lattice as a ray sees it, and sets `weight` to its share of the coarse position.
 Vec3f blended(const GridHit& met, const OwnBlend& blend, std::uint32_t vertex, float& weight) noexcept
 {
@@ -206,7 +209,6 @@ void HitCorners::set_special(std::size_t lane, const OwnBlend& blend, bool start
         return;
     }
     has_start |= 1u << lane;
-    const OwnBlend of_start{{0, 0, 0}, starts_coarse ? 1.0f : 0.0f};
     if (is_gap(m)) {
         float at_end[2];
         const lod::Hanging::Ends ends = ends_of(m, blend, grid.lattice().hanging[m.id & ~kGapBit], at_end);
@@ -215,13 +217,12 @@ void HitCorners::set_special(std::size_t lane, const OwnBlend& blend, bool start
         put(position[2], lane, ends.high);
         weight[0][lane] = weight[1][lane] = at_end[0];
         weight[2][lane] = at_end[1];
-        const Vertices vertices(*spots_[lane].part, spots_[lane]);
-        float unused;
-        for (int p = 0; p < 3; ++p) put(start[p], lane, blended(m, of_start, vertices.of[p], unused));
+        const Corners corners = at_level(lane, starts_coarse);
+        for (int p = 0; p < 3; ++p) put(start[p], lane, corners.of[p]);
     } else {
         set_hanging(position, lane, blend);
+        set_hanging(start, lane, at_end(starts_coarse));
     }
-    set_hanging(start, lane, of_start);
 }
 
 void HitCorners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const OwnBlend& blend) noexcept
@@ -241,7 +242,7 @@ void HitCorners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const Own
 
 HitCorners::Corners HitCorners::at_level(std::size_t lane, bool is_coarse) noexcept
 {
-    const OwnBlend blend{{0, 0, 0}, is_coarse ? 1.0f : 0.0f};
+    const OwnBlend blend = at_end(is_coarse);
     const Vertices vertices(*spots_[lane].part, spots_[lane]);
     FloatLanes corner[3][3];
     float unused;

@@ -45,11 +45,11 @@ struct HitCorners {
     /// coarser level of the pair that the ray has hit.
     void set_positions(const vfloat (&direction)[3], const vfloat (&origin)[3], vfloat shift,
                        unsigned coarse_starts) noexcept;
-    /// Returns the corners of a lane's micropolygon, which is no gap triangle, in the mesh of one level of its pair; they
-    /// are in the dicing frame of its cage, also if that is a still pose.
     struct Corners {
         Vec3f of[3];
     };
+    /// Returns the corners of a lane's micropolygon in the mesh of one level of its pair, or of the triangle that replaces a
+    /// gap triangle. They are in the dicing frame of its cage, also if that is a still pose.
     Corners at_level(std::size_t lane, bool is_coarse) noexcept;
     /// Move the positions, or the normals, of a lane from a still pose to the world; positions are then relative to the
     /// anchor of `pose`.

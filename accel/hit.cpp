@@ -297,8 +297,8 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     FloatLanes orientation;
     vfloat::load(read.mirrored).store(orientation);
     if (beside.starts && are_first)
-        TurnedOver(corners, placed, read.coarse_starts, tri.normal)
-            .orient(rays, met, read.gaps, beside.starts->normal, orientation);
+        TurnedOver{corners, placed, read.gaps, read.coarse_starts, tri.normal}.orient(rays, met, beside.starts->normal,
+                                                                                      orientation);
     const NormalLanes normal(corners, tri, share, vfloat::load(orientation), is_flat, {way[0], way[1], way[2]});
     const vmask has_gradients = andnot(tri.area > vfloat(kLeastArea), is_flat);
     const vfloat outward = corners.has_normals != 0 ? outward_curvature(tri, normal.corner) : zero;

@@ -12,7 +12,7 @@ namespace occam::accel {
 
 /// Fills `hits` from the micropolygons that up to kLanes rays of a group have hit. Runs phase one on patches that have
 /// their first hits here. Hits of rays that missed are not written.
-/// are_first   whether these are the rays' first hits, before which they have passed no surface that t_near does not tell of
+/// are_first   false if the rays have passed other surfaces since t_near
 void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const GridHit> met, const PhaseOneTools& tools,
              SurfaceHit* const* hits, bool are_first = true);
 

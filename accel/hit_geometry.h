@@ -73,7 +73,7 @@ struct NormalLanes {
     VecLanes geometric, shading;
     vmask is_back;  ///< the ray came from behind the face
 
-    /// share      weights of the corners at the hits
+    /// share         weights of the corners at the hits
     /// orientation   1, or -1 where the outside is opposite to the normal by winding: the cage's placement reverses the
     ///               orientation of faces, or the micropolygon is turned over
     NormalLanes(const HitCorners& corners, const Triangles& tri, const vfloat (&share)[3], vfloat orientation, vmask is_flat,

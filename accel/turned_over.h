@@ -12,62 +12,44 @@
 
 namespace occam::accel {
 
-/// Stores a vector's lanes, to be read one by one.
-struct Stored {
-    alignas(32) FloatLanes axis[3];
-    explicit Stored(const VecLanes& v) noexcept
-    {
-        v.x.store(axis[0]);
-        v.y.store(axis[1]);
-        v.z.store(axis[2]);
-    }
-    Vec3f operator[](std::size_t lane) const noexcept { return {axis[0][lane], axis[1][lane], axis[2][lane]}; }
-};
+/// Holds what is known of the hits of some rays, in lanes.
+struct TurnedOver {
+    HitCorners& corners;
+    const HitRays& placed;
+    unsigned gaps;           ///< lanes that met gap triangles
+    unsigned coarse_starts;  ///< lanes whose start is in the mesh of the coarser level
+    const VecLanes& normal;  ///< of what was hit, by winding
 
-class TurnedOver {
-public:
-    /// coarse_starts   lanes whose start is in the mesh of the coarser level
-    /// normal          of what was hit, by winding
-    TurnedOver(HitCorners& corners, const HitRays& placed, unsigned coarse_starts, const VecLanes& normal) noexcept
-        : corners_(corners), placed_(placed), coarse_starts_(coarse_starts), lanes_(normal), normal_(normal)
-    {
-    }
     /// Orients the lanes whose micropolygon is turned over by the sides on which their rays have started, where these are
     /// known.
     ///
-    /// gaps          lanes that met gap triangles
     /// at_start      the normals in the mesh of the start
     /// orientation   becomes 1, or -1 where the outside is opposite to the normal by winding
-    void orient(std::span<const Ray> rays, std::span<const GridHit> met, unsigned gaps, const VecLanes& at_start,
+    void orient(std::span<const Ray> rays, std::span<const GridHit> met, const VecLanes& at_start,
                 FloatLanes& orientation) const noexcept
     {
-        unsigned left = corners_.has_start & ~gaps & bits(dot(lanes_, at_start) < vfloat(0.0f));
+        unsigned left = corners.has_start & ~gaps & bits(dot(normal, at_start) < vfloat(0.0f));
         for (; left != 0; left &= left - 1) {
             const auto i = static_cast<std::size_t>(std::countr_zero(left));
             const Ray& ray = rays[i];
             if (ray.t_near > 0 || (ray.start_side ^ side_name(met[i].grid->cage->path.hash, false)) > 1) continue;
-            if (!is_opposite_at_other_end(i)) continue;
-            const bool leads_out = glm::dot(normal_[i], ray.direction) > 0, is_inside = (ray.start_side & 1) != 0;
+            const Vec3f by_winding = Stored(normal)[i];
+            if (!is_opposite_at_other_end(i, by_winding)) continue;
+            const bool leads_out = glm::dot(by_winding, ray.direction) > 0, is_inside = (ray.start_side & 1) != 0;
             orientation[i] = leads_out == is_inside ? 1.0f : -1.0f;
         }
     }
 
 private:
     // One that is tilted by more than a right angle between the levels is opposite to one of its ends alone.
-    OCCAM_NEVER_INLINE bool is_opposite_at_other_end(std::size_t lane) const noexcept
+    OCCAM_NEVER_INLINE bool is_opposite_at_other_end(std::size_t lane, Vec3f by_winding) const noexcept
     {
-        HitCorners::Corners other = corners_.at_level(lane, (coarse_starts_ >> lane & 1) == 0);
-        if (placed_.in_still >> lane & 1)
-            for (Vec3f& corner : other.of) corner = Vec3f(placed_.still[lane].pose.apply(corner));
+        HitCorners::Corners other = corners.at_level(lane, (coarse_starts >> lane & 1) == 0);
+        if (placed.in_still >> lane & 1)
+            for (Vec3f& corner : other.of) corner = Vec3f(placed.still[lane].pose.apply(corner));
         const Vec3d a(other.of[0]), b(other.of[1]), c(other.of[2]);
-        return glm::dot(glm::cross(b - a, c - a), Vec3d(normal_[lane])) < 0;
+        return glm::dot(glm::cross(b - a, c - a), Vec3d(by_winding)) < 0;
     }
-
-    HitCorners& corners_;
-    const HitRays& placed_;
-    unsigned coarse_starts_;
-    const VecLanes& lanes_;
-    Stored normal_;
 };
 
 }  // namespace occam::accel

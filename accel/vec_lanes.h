@@ -18,6 +18,13 @@ inline void store(const VecLanes& from, FloatLanes (&to)[3]) noexcept
     from.z.store(to[2]);
 }
 
+/// Stores a vector's lanes, to be read one by one.
+struct Stored {
+    alignas(32) FloatLanes axis[3];
+    explicit Stored(const VecLanes& v) noexcept { store(v, axis); }
+    Vec3f operator[](std::size_t lane) const noexcept { return {axis[0][lane], axis[1][lane], axis[2][lane]}; }
+};
+
 OCCAM_ALWAYS_INLINE VecLanes middle(const VecLanes& a, const VecLanes& b) noexcept { return (a + b) * 0.5f; }
 inline vfloat dot(const VecLanes& a, const VecLanes& b) noexcept { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
 /// Returns the largest of the absolute components.

@@ -32,28 +32,23 @@ inline std::uint64_t mix_bits(std::uint64_t x) noexcept
 inline std::uint64_t hash_in_eights(const void* data, std::size_t bytes, std::uint64_t h) noexcept
 {
     const unsigned char* p = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < bytes; i += 8) {
+    const auto add = [&](std::size_t from, std::size_t count) {
         std::uint64_t eight = 0;
-        std::memcpy(&eight, p + i, bytes - i < 8 ? bytes - i : 8);
+        std::memcpy(&eight, p + from, count);
         h = (std::rotl(h, 26) ^ eight) * 0x9e3779b97f4a7c15ull;
-    }
+    };
+    std::size_t i = 0;
+    for (; i + 8 <= bytes; i += 8) add(i, 8);
+    if (i < bytes) add(i, bytes - i);
     return h;
 }
 
-/// Hashes lists of words for tables in memory, two words at a time.
+/// Hashes lists of words for tables in memory.
 struct WordsHash {
     std::size_t operator()(const std::vector<std::uint32_t>& words) const noexcept
     {
-        std::uint64_t h = words.size();
-        const auto add = [&](std::uint64_t x) { h = (std::rotl(h, 26) ^ x) * 0x9e3779b97f4a7c15ull; };
-        std::size_t i = 0;
-        for (; i + 2 <= words.size(); i += 2) {
-            std::uint64_t two;
-            std::memcpy(&two, &words[i], sizeof two);
-            add(two);
-        }
-        if (i < words.size()) add(words[i]);
-        return static_cast<std::size_t>(mix_bits(h));
+        return static_cast<std::size_t>(
+            mix_bits(hash_in_eights(words.data(), words.size() * sizeof words[0], words.size())));
     }
 };
 

@@ -25,10 +25,6 @@ target_compile_options(occam_flags INTERFACE
 # When the copy of a std::variant ends by an exception, g++ 12 has dropped the store that says that the copy is empty, and what was
 # never made is destroyed (FailingCommand.EndsInOneLineWhereverMemoryEndsWhileAFileIsWritten).
 target_compile_options(occam_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-lifetime-dse>)
-# g++ 12 warns of overlaps and overflows in its own std::string that do not exist (its bug 105651). Where, differs from one set of
-# options to the next. clang looks for such errors, too, and the sanitizers find them.
-target_compile_options(occam_flags INTERFACE
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-stringop-overflow;-Wno-array-bounds>)
 if(OCCAM_QUICK_BUILD)
   # By default g++ looks for memory that it no longer needs many times while it compiles a batch.
   target_compile_options(occam_flags INTERFACE "$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=400000>")
@@ -51,7 +47,7 @@ if(OCCAM_SANITIZE)
     target_sources(occam_flags INTERFACE $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${options_source}>)
   endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-    # Instrumented code triggers this warning of g++ 12 wrongly; the other builds keep it.
-    target_compile_options(occam_flags INTERFACE -Wno-maybe-uninitialized)
+    # Instrumented code triggers these warnings of g++ 12 wrongly; the other builds keep them.
+    target_compile_options(occam_flags INTERFACE -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow)
   endif()
 endif()

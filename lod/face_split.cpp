@@ -30,7 +30,10 @@ public:
     {
         static_assert(sizeof(BoxedFace) == 8 * sizeof(float) && offsetof(BoxedFace, box) == 0);
         const float* words = reinterpret_cast<const float*>(&face);
-        for (int i = 0; i < kParts; ++i) add(i, vfloat::load(words + i * kLanes), vfloat::load(words + i * kLanes));
+        for (int i = 0; i < kParts; ++i) {
+            const vfloat some = vfloat::load(words + i * kLanes);
+            add(i, some, some);
+        }
     }
     void add(const Bounds& other) noexcept
     {

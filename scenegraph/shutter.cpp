@@ -123,7 +123,9 @@ private:
 
 // Shows the normals of a cage whose vertices move against each other, but for those of triangles, which are not
 // interpolated. Of a displaced cage it shows the paths of points at both ends of what displacement may add. They go with the
-// normal, which turns even if vertices move along straight lines. position_at   returns a vertex at a key
+// normal, which turns even if vertices move along straight lines.
+//
+// position_at   returns a vertex at a key
 template <class PositionAt>
 void add_normals(SegmentCount& count, const Place& place, const Cage& cage, PositionAt&& position_at)
 {

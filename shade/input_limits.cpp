@@ -1,12 +1,12 @@
 #include "shade/input_limits.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <variant>
 
 #include "base/overloaded.h"
 #include "io/texture/texture_store.h"
+#include "scenegraph/far_places.h"
 #include "scenegraph/material_limits.h"
 #include "scenegraph/shown_nodes.h"
 #include "shade/frame_lights.h"
@@ -64,52 +64,33 @@ std::size_t nodes_that_leave(const Scene& scene)
     return count;
 }
 
-// Finds placements beyond the largest coordinate, in the pose that the scene is in, and whether what is nearer vanishes.
-class FarPlacements {
-public:
+// Counts the nodes that lie too far away, in the pose that the scene is in.
+struct FarNodes {
+    std::size_t hiding = 0;  ///< those beside which all others vanish
+    std::size_t lost = 0;    ///< those whose place in the world is not finite
+
     /// Visits nothing unless the bounds of the scene reach beyond the largest coordinate.
-    explicit FarPlacements(const Scene& scene) : scene_(scene)
+    explicit FarNodes(const Scene& scene)
     {
+        constexpr std::size_t kMostLookedAt = std::size_t(1)
+                                              << 20;  // instances of instances may be more than can be visited
         const Box3d all = box_in_parent(scene.node(scene.root()));
-        if (all.is_empty() || is_near(all)) return;
-        const Vec3d extent = all.extent();
-        const double largest = std::max({extent.x, extent.y, extent.z});
-        least_seen_ = std::isfinite(largest) ? largest / kLargestRatio : 0;
+        if (all.is_empty() || all.largest_coordinate() <= double(kMaxCoordinate)) return;
+        FarPlaces places;
+        std::size_t looked_at = 0, far = 0;
         scene.for_each_placement([&](NodeId, const Node& node, const Mat4d& world_from_node) {
-            if (++looked_at_ > kMostLookedAt) return false;
-            look(node, world_from_node);
+            if (++looked_at > kMostLookedAt) return false;
+            Box3d own;
+            for (const CageId id : node.cages)
+                if (const CageSlot* slot = scene.find(id)) own.add(cage_bounds(node, *slot, scene.find(node.skin)));
+            if (own.is_empty()) return true;
+            const FarPlaces::Place place = places.add(transform_box(world_from_node, own));
+            far += place == FarPlaces::Place::Far;
+            lost += place == FarPlaces::Place::Lost;
             return true;
         });
+        if (places.hide_near()) hiding = far;
     }
-    /// Returns the number of nodes beside which all others vanish.
-    std::size_t hiding() const noexcept { return largest_near_ > 0 && largest_near_ < least_seen_ ? far_ : 0; }
-    /// Returns the number of nodes whose place in the world is not finite.
-    std::size_t lost() const noexcept { return lost_; }
-
-private:
-    /// The area of a square with sides that much smaller than a frame is the least that a float holds.
-    static constexpr double kLargestRatio = 1e22;
-    /// Instances of instances may be more than can be visited.
-    static constexpr std::size_t kMostLookedAt = std::size_t(1) << 20;
-
-    static bool is_near(const Box3d& box) noexcept { return box.largest_coordinate() <= double(kMaxCoordinate); }
-
-    void look(const Node& node, const Mat4d& world_from_node)
-    {
-        Box3d own;
-        for (const CageId id : node.cages)
-            if (const CageSlot* slot = scene_.find(id)) own.add(cage_bounds(node, *slot, scene_.find(node.skin)));
-        if (own.is_empty()) return;
-        const Box3d box = transform_box(world_from_node, own);
-        const Vec3d extent = box.extent();
-        if (!std::isfinite(extent.x + extent.y + extent.z)) ++lost_;
-        else if (!is_near(box)) ++far_;
-        else largest_near_ = std::max({largest_near_, extent.x, extent.y, extent.z});
-    }
-
-    const Scene& scene_;
-    std::size_t looked_at_ = 0, far_ = 0, lost_ = 0;
-    double largest_near_ = 0, least_seen_ = 0;
 };
 
 }  // namespace
@@ -167,11 +148,12 @@ std::vector<std::string> input_warnings(const Scene& scene, const TextureStore& 
         lines.push_back(
             "nodes that reach beyond 1e16 while the shutter is open, beside which the rest of the scene may vanish: " +
             std::to_string(leave));
-    const FarPlacements placements(scene);
-    if (const std::size_t far = placements.hiding(); far > 0)
-        lines.push_back("nodes that reach beyond 1e16, beside which the rest of the scene vanishes: " + std::to_string(far));
-    if (const std::size_t lost = placements.lost(); lost > 0)
-        lines.push_back("nodes whose place in the world is not finite, which are not seen: " + std::to_string(lost));
+    const FarNodes far(scene);
+    if (far.hiding > 0)
+        lines.push_back("nodes that reach beyond 1e16, beside which the rest of the scene vanishes: " +
+                        std::to_string(far.hiding));
+    if (far.lost > 0)
+        lines.push_back("nodes whose place in the world is not finite, which are not seen: " + std::to_string(far.lost));
     return lines;
 }
 

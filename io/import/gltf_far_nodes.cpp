@@ -1,22 +1,13 @@
 #include "io/import/gltf_far_nodes.h"
 
-#include <algorithm>
-#include <cmath>
 #include <unordered_map>
 #include <unordered_set>
+
+#include "scenegraph/far_places.h"
 
 namespace occam::import {
 
 namespace {
-
-// The area of a square with sides that much smaller than a frame is the least that a float holds.
-constexpr double kLargestRatio = 1e22;
-
-double largest_side(const Box3d& box)
-{
-    const Vec3d extent = box.extent();
-    return box.is_empty() ? 0 : std::max({extent.x, extent.y, extent.z});
-}
 
 // Holds what is shown, by whether it lies beyond the largest coordinate. Skinned meshes are placed by their joints, whose
 // matrices do not count here.
@@ -27,25 +18,16 @@ struct Placements {
             Box3d box;
             if (!node.skin)
                 for (const CageId cage : node.cages) box.add(transform_box(world_from_node, scene.cage(cage).bounds));
+            const FarPlaces::Place place = places.add(box);
             const bool has_other_use = node.skin || node.light || node.camera;
-            const double reach = box.is_empty() ? 0 : box.largest_coordinate();
-            const bool is_far = !(reach <= double(kMaxCoordinate));
-            if (has_other_use || (!is_far && !box.is_empty())) needed.push_back(id);
-            if (is_far) far.push_back(id);
-            if (std::isfinite(reach)) all.add(box);
-            else is_finite = false;
-            if (!is_far) largest_near = std::max(largest_near, largest_side(box));
+            if (has_other_use || place == FarPlaces::Place::Near) needed.push_back(id);
+            if (place == FarPlaces::Place::Far || place == FarPlaces::Place::Lost) far.push_back(id);
         });
     }
-    bool vanish() const
-    {
-        return !far.empty() && largest_near > 0 && (!is_finite || largest_near < largest_side(all) / kLargestRatio);
-    }
+    bool vanish() const { return places.hide_near() || (places.has_lost() && places.has_near()); }
 
     std::vector<NodeId> far, needed;
-    Box3d all;
-    double largest_near = 0;
-    bool is_finite = true;
+    FarPlaces places;
 };
 
 }  // namespace

@@ -54,27 +54,40 @@ void run_obj(Report& report)
     report.add(std::move(row));
 }
 
+// Reads a file into scenes, and by `peer()`, in turns.
+struct Readings {
+    std::vector<double> ours, peers;
+    double faces = 0, megabytes = 0;
+
+    template <class Peer>
+    Readings(const std::filesystem::path& file, Peer&& peer) : megabytes(1e-6 * double(std::filesystem::file_size(file)))
+    {
+        for (int i = 0; i < kRuns; ++i) {
+            ours.push_back(repeat(1, [&] { faces = double(load(file).counts().faces); }).front());
+            peers.push_back(repeat(1, peer).front());
+        }
+    }
+    Row row(const char* what) const
+    {
+        Row row{"import", what};
+        row.add("faces", faces).add("megabytes", megabytes).add("occam_faces_per_s", per(faces, ours));
+        return row;
+    }
+};
+
 void run_glb(Report& report)
 {
     const test::TempFolder folder;
     const std::filesystem::path file = folder.path() / "waves.glb";
     write_wave_glb(file, 1400, 1300);
-
-    std::vector<double> ours, library;
-    std::size_t faces = 0;
-    for (int i = 0; i < kRuns; ++i) {
-        ours.push_back(repeat(1, [&] { faces = load(file).counts().faces; }).front());
-        library.push_back(repeat(1, [&] {
-                              tinygltf::TinyGLTF reader;
-                              tinygltf::Model model;
-                              std::string warnings, errors;
-                              reader.LoadBinaryFromFile(&model, &errors, &warnings, file.string());
-                          }).front());
-    }
-    Row row{"import", "glb, 3,640,000 triangles with normals and texture coordinates"};
-    row.add("faces", double(faces)).add("megabytes", 1e-6 * double(std::filesystem::file_size(file)));
-    row.add("occam_faces_per_s", per(double(faces), ours)).add("tinygltf_faces_per_s", per(double(faces), library));
-    row.add("time_over_tinygltf", ratios(ours, library));
+    const Readings read(file, [&] {
+        tinygltf::TinyGLTF reader;
+        tinygltf::Model model;
+        std::string warnings, errors;
+        reader.LoadBinaryFromFile(&model, &errors, &warnings, file.string());
+    });
+    Row row = read.row("glb, 3,640,000 triangles with normals and texture coordinates");
+    row.add("tinygltf_faces_per_s", per(read.faces, read.peers)).add("time_over_tinygltf", ratios(read.ours, read.peers));
     report.add(std::move(row));
 }
 
@@ -83,19 +96,12 @@ void run_stl(Report& report)
     const test::TempFolder folder;
     const std::filesystem::path file = folder.path() / "waves.stl";
     write_wave_stl(file, 1000, 1000);
-
-    std::vector<double> ours, bytes;
-    std::size_t faces = 0;
-    for (int i = 0; i < kRuns; ++i) {
-        ours.push_back(repeat(1, [&] { faces = load(file).counts().faces; }).front());
-        bytes.push_back(repeat(1, [&] {
-                            std::string all(std::filesystem::file_size(file), ' ');
-                            std::ifstream(file, std::ios::binary).read(all.data(), static_cast<std::streamsize>(all.size()));
-                        }).front());
-    }
-    Row row{"import", "stl, 2,000,000 triangles"};
-    row.add("faces", double(faces)).add("megabytes", 1e-6 * double(std::filesystem::file_size(file)));
-    row.add("occam_faces_per_s", per(double(faces), ours)).add("time_over_reading_bytes", ratios(ours, bytes));
+    const Readings read(file, [&] {
+        std::string all(std::filesystem::file_size(file), ' ');
+        std::ifstream(file, std::ios::binary).read(all.data(), static_cast<std::streamsize>(all.size()));
+    });
+    Row row = read.row("stl, 2,000,000 triangles");
+    row.add("time_over_reading_bytes", ratios(read.ours, read.peers));
     report.add(std::move(row));
 }
 
