@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
-# Builds and runs the tests in the preset test. --one-lane adds the hash tests in a build of one SIMD lane, as continuous integration
-# does. --sanitize adds these, and the address and undefined-behaviour sanitizers on the unit and hostile tests, in a debug build.
-# --long adds all of this, the long campaigns in the preset test, the thread sanitizer, clang, the release build with its
-# benchmarks, and the fuzz targets. It takes more than two hours on two processors.
+# Builds and runs the tests in the preset test. --ci adds what continuous integration does: the hash tests in a build of one SIMD
+# lane, and the library and the command in the preset release. --sanitize adds these, and the address and undefined-behaviour
+# sanitizers on the unit and hostile tests, in a debug build. --long adds all of this, the long campaigns in the preset test, the
+# thread sanitizer, clang, all that the preset release builds, and the fuzz targets. It takes more than two hours on two processors.
 set -euo pipefail
 cd "$(dirname "$0")"
-long=0 one_lane=0 sanitize=0
+long=0 ci=0 sanitize=0
 case "${1:-}" in
     "") ;;
-    --one-lane) one_lane=1 ;;
-    --sanitize) one_lane=1 sanitize=1 ;;
-    --long) long=1 one_lane=1 sanitize=1 ;;
-    *) echo "usage: ./test.sh [--one-lane | --sanitize | --long]" >&2; exit 2 ;;
+    --ci) ci=1 ;;
+    --sanitize) ci=1 sanitize=1 ;;
+    --long) ci=1 long=1 sanitize=1 ;;
+    *) echo "usage: ./test.sh [--ci | --sanitize | --long]" >&2; exit 2 ;;
 esac
 if [ $long -eq 1 ]; then ./install-packages.sh --long; else ./install-packages.sh; fi
 
@@ -58,6 +58,16 @@ run() {
     passed=$((passed + p)) failed=$((failed + f)) skipped=$((skipped + s))
 }
 
+# build_release TARGET ...: builds targets in the preset release. It compiles each file by itself, and so finds what a file does not
+# include, and what the compiler warns of there alone.
+build_release() {
+    echo "== release: $*"
+    { cmake --preset release && cmake --build --preset release --target "$@"; } > build/release.log 2>&1 || {
+        grep -E 'error|FAILED' -A 3 build/release.log | head -n 60
+        exit 1
+    }
+}
+
 # Fuzzes each importer for so many seconds (tests/fuzz): the targets of the preset fuzz print lines like GoogleTest's.
 fuzz() {
     local log=build/fuzz.log
@@ -75,16 +85,12 @@ mkdir -p build
 hashes=OCCAM_HASHES=$PWD/build/hashes.txt
 rm -f build/hashes.txt
 run test all "$hashes" OCCAM_HASHES_MODE=write OCCAM_LONG=$long
-if [ $one_lane -eq 1 ]; then run one_lane hash "$hashes" OCCAM_HASHES_MODE=compare OCCAM_LONG=$long; fi
+if [ $ci -eq 1 ]; then
+    run one_lane hash "$hashes" OCCAM_HASHES_MODE=compare OCCAM_LONG=$long
+    if [ $long -eq 1 ]; then build_release all; else build_release occam occam_cli; fi
+fi
 if [ $sanitize -eq 1 ]; then run asan 'unit|hostile'; fi
 if [ $long -eq 1 ]; then
-    # Benchmarks are not tests, but they have to compile. The release build compiles each file by itself, and so finds what a
-    # file does not include.
-    echo "== release: built with the benchmarks"
-    { cmake --preset release && cmake --build --preset release; } > build/release.log 2>&1 || {
-        grep -E 'error|FAILED' -A 3 build/release.log | head -n 60
-        exit 1
-    }
     # The thread sanitizer runs the tests in which threads meet.
     run tsan 'unit|hash|campaign' TSAN_OPTIONS=ignore_noninstrumented_modules=1 \
         GTEST_FILTER='Api.*:FramesOfThreads.*:Threads.*:*Shared*:*Quer*:Picture.*:Random*:Load.*:Progressive.*:Resume.*:Deadline.*:Cancel*:Workers.*:TextureStore.*:TiledTextures.*:Adaptive*:Memory.*:OnDemand*:Changing*:Trees.*:MovingTracer.*:Path.*:Holes.*'
