@@ -19,6 +19,16 @@ passed=0 failed=0 skipped=0
 # Prints the sum of the summary lines that GoogleTest prints for PASSED, FAILED or SKIPPED.
 count() { sed -nE "s/^\[  $1 *\] ([0-9]+) tests?.*/\1/p" "$2" | awk '{n += $1} END {print n + 0}'; }
 
+# build PRESET TARGET ...: builds targets of a preset, and ends with what went wrong if that fails.
+build() {
+    local preset=$1 log=build/$1.build.log
+    shift
+    { cmake --preset "$preset" && cmake --build --preset "$preset" --target "$@"; } > "$log" 2>&1 || {
+        grep -E '[Ee]rror|FAILED' -A 3 "$log" | head -n 60
+        exit 1
+    }
+}
+
 # run PRESET SUITES [VARIABLE=VALUE ...]: builds a preset and runs its suites (folders of tests/, separated by |), or "all".
 run() {
     local preset=$1 suites=$2 status=0 pattern='.*' targets=(all)
@@ -27,30 +37,26 @@ run() {
         pattern="^occam_($suites)_tests"
         mapfile -t targets < <(tr '|' '\n' <<< "$suites" | sed 's/.*/occam_&_tests/')
     fi
-    local build=build/$preset log=build/$preset.log
+    local folder=build/$preset log=build/$preset.log
     local began=$SECONDS built
     echo "== $preset: $suites"
-    cmake --preset "$preset" > "$build.configure.log" 2>&1 || { cat "$build.configure.log"; exit 1; }
-    cmake --build --preset "$preset" --target "${targets[@]}" > "$build.build.log" 2>&1 || {
-        grep -E 'error|FAILED' -A 3 "$build.build.log" | head -n 60
-        exit 1
-    }
+    build "$preset" "${targets[@]}"
     built=$SECONDS
     # Some tests wait more than they compute, so there are two more than there are processors.
-    env "$@" ctest --test-dir "$build" -R "$pattern" -j "$(($(nproc) + 2))" --no-tests=error --timeout 7200 > "$build.ctest.log" 2>&1 ||
+    env "$@" ctest --test-dir "$folder" -R "$pattern" -j "$(($(nproc) + 2))" --no-tests=error --timeout 7200 > "$folder.ctest.log" 2>&1 ||
         status=1
-    cp "$build/Testing/Temporary/LastTest.log" "$log"
+    cp "$folder/Testing/Temporary/LastTest.log" "$log"
 
     local p f s
     # Each test that does not use GoogleTest counts as one.
-    p=$(($(count PASSED "$log") + $(grep -cE '(style|install) \.+ +Passed' "$build.ctest.log" || true)))
+    p=$(($(count PASSED "$log") + $(grep -cE '(style|install) \.+ +Passed' "$folder.ctest.log" || true)))
     s=$(count SKIPPED "$log")
-    f=$(($(count FAILED "$log") + $(grep -cE "(style|install) \.+\*\*\*" "$build.ctest.log" || true)))
+    f=$(($(count FAILED "$log") + $(grep -cE "(style|install) \.+\*\*\*" "$folder.ctest.log" || true)))
     # A program that ended without a summary line has failed too.
     [ $status -eq 0 ] || [ "$f" -gt 0 ] || f=1
     grep -E ': Skipped$' -A 1 "$log" | grep -vE ': Skipped$|^--$' | sort | uniq -c | sed -E 's/^ *([0-9]+) /   \1 skipped: /' || true
     if [ $status -ne 0 ]; then
-        grep -E '\*\*\*' "$build.ctest.log" || true
+        grep -E '\*\*\*' "$folder.ctest.log" || true
         grep -E ': Failure$|ERROR: |runtime error:|WARNING: ThreadSanitizer|^CMake Error|^\[  FAILED  \] .*[^)]$' -A 8 "$log" | head -n 150 || true
         echo "   all of it: $log"
     fi
@@ -62,20 +68,14 @@ run() {
 # include, and what the compiler warns of there alone.
 build_release() {
     echo "== release: $*"
-    { cmake --preset release && cmake --build --preset release --target "$@"; } > build/release.log 2>&1 || {
-        grep -E 'error|FAILED' -A 3 build/release.log | head -n 60
-        exit 1
-    }
+    build release "$@"
 }
 
 # Fuzzes each importer for so many seconds (tests/fuzz): the targets of the preset fuzz print lines like GoogleTest's.
 fuzz() {
     local log=build/fuzz.log
     echo "== fuzz: $1 s for each target"
-    { cmake --preset fuzz && cmake --build --preset fuzz; } > build/fuzz.build.log 2>&1 || {
-        grep -E 'error|FAILED' -A 3 build/fuzz.build.log | head -n 60
-        exit 1
-    }
+    build fuzz all
     tests/fuzz/run.sh "$1" > "$log" || true
     sed 's/^/   /' "$log"
     passed=$((passed + $(count PASSED "$log"))) failed=$((failed + $(count FAILED "$log")))

@@ -9,7 +9,7 @@ namespace {
 using OwnBlend = VertexBlendOf<float>;
 
 // Returns the blend of a ray that sees one level of a pair alone.
-OwnBlend at_end(bool is_coarse) noexcept { return {{0, 0, 0}, is_coarse ? 1.0f : 0.0f}; }
+OwnBlend blend_of_level(bool is_coarse) noexcept { return {{0, 0, 0}, is_coarse ? 1.0f : 0.0f}; }
 
 // Returns a vertex of a lattice as a ray sees it, and sets `weight` to its share of the coarse position.
 Vec3f blended(const GridHit& met, const OwnBlend& blend, std::uint32_t vertex, float& weight) noexcept
@@ -221,7 +221,7 @@ void HitCorners::set_special(std::size_t lane, const OwnBlend& blend, bool start
         for (int p = 0; p < 3; ++p) put(start[p], lane, corners.of[p]);
     } else {
         set_hanging(position, lane, blend);
-        set_hanging(start, lane, at_end(starts_coarse));
+        set_hanging(start, lane, blend_of_level(starts_coarse));
     }
 }
 
@@ -242,7 +242,7 @@ void HitCorners::set_hanging(FloatLanes (&to)[3][3], std::size_t lane, const Own
 
 HitCorners::Corners HitCorners::at_level(std::size_t lane, bool is_coarse) noexcept
 {
-    const OwnBlend blend = at_end(is_coarse);
+    const OwnBlend blend = blend_of_level(is_coarse);
     const Vertices vertices(*spots_[lane].part, spots_[lane]);
     FloatLanes corner[3][3];
     float unused;

@@ -72,8 +72,8 @@ struct FarNodes {
     /// Visits nothing unless the bounds of the scene reach beyond the largest coordinate.
     explicit FarNodes(const Scene& scene)
     {
-        constexpr std::size_t kMostLookedAt = std::size_t(1)
-                                              << 20;  // instances of instances may be more than can be visited
+        // Instances of instances may be more than can be visited.
+        constexpr std::size_t kMostLookedAt = std::size_t(1) << 20;
         const Box3d all = box_in_parent(scene.node(scene.root()));
         if (all.is_empty() || all.largest_coordinate() <= double(kMaxCoordinate)) return;
         FarPlaces places;
