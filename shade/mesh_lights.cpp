@@ -4,7 +4,6 @@
 #include <cfloat>
 #include <functional>
 #include <limits>
-#include <tuple>
 #include <unordered_set>
 
 #include "base/error_without_file.h"
@@ -30,11 +29,6 @@ float mean_luminance(const Material& m, const TextureStore& textures) noexcept
     if (m.unlit || m.emission == Vec3f(0)) return 0;
     const Vec3f texture = m.emission_texture ? Vec3f(textures.sample(m.emission_texture, Vec2f(0.5f), 1e6f)) : Vec3f(1);
     return luminance(limited(m.emission) * glm::max(texture, Vec3f(0)));
-}
-
-auto key_of(NodeId node, const Material* material) noexcept
-{
-    return std::tuple(node.slot, node.generation, reinterpret_cast<std::uintptr_t>(material));
 }
 
 const Material* material_of(const Scene& scene, const Node& node, const Cage& cage, std::size_t slot) noexcept
@@ -203,7 +197,6 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
         const float density = mean_luminance(*material, *textures_);
         if (density > 0 && std::isfinite(found.area[s])) power_ += double(density) * found.area[s];
         if (!(density > 0) || !is_sampled || scene.find(node.skin) || unsampled.contains(material)) continue;
-        known_.push_back({id, material, density});
         const bool is_mirrored = mirrors(Mat3d(world_from_object));
         const Mesh mesh{id, &cage, material, world_from_object, density, is_mirrored, extent};
         const std::size_t before = sums_.size();
@@ -244,14 +237,6 @@ MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const F
         for (CageId cage : node.cages)
             if (const CageSlot* slot = scene.find(cage)) add(placed, *slot);
     });
-    std::sort(known_.begin(), known_.end(),
-              [](const Known& a, const Known& b) { return key_of(a.node, a.material) < key_of(b.node, b.material); });
-    const double whole = sums_.empty() ? 1 : sums_.back();
-    for (Known& k : known_) k.area_density = static_cast<float>(double(k.area_density) / whole);
-    known_.erase(
-        std::unique(known_.begin(), known_.end(),
-                    [](const Known& a, const Known& b) { return key_of(a.node, a.material) == key_of(b.node, b.material); }),
-        known_.end());
 }
 
 void MeshLights::sort_by_place()
@@ -282,7 +267,7 @@ void MeshLights::sort_by_place()
 
 void MeshLights::make_tree(std::optional<Vec3d> origin)
 {
-    if (sums_.size() <= kMostWithoutTree) return;
+    if (sums_.empty()) return;
     constexpr std::size_t kMostLeaves = 65536;
     of_a_leaf_ = (sums_.size() + kMostLeaves - 1) / kMostLeaves;
     if (of_a_leaf_ > 1) sort_by_place();  // else the box of a leaf could be as large as the scene
@@ -306,10 +291,6 @@ MeshLights::Choice MeshLights::choose(const Receiver& receiver, float number) co
         const auto above = std::upper_bound(sums_.begin() + begin, sums_.begin() + (end - 1), wanted);
         return static_cast<std::uint32_t>(above - sums_.begin());
     };
-    if (tree_.is_empty()) {
-        const std::uint32_t i = in(0, static_cast<std::uint32_t>(sums_.size()), number);
-        return {i, double(mesh_of(i).area_density) / sums_.back()};
-    }
     LightTree::Pick pick;
     if (tree_.draw(receiver, number, {&pick, 1}) == 0) return {0, 0};
     const std::uint32_t i = in(first_of(pick.light), end_of(pick.light), pick.rest);
@@ -318,13 +299,7 @@ MeshLights::Choice MeshLights::choose(const Receiver& receiver, float number) co
 
 float MeshLights::area_density(const Place& at, const Receiver& receiver) const noexcept
 {
-    if (tree_.is_empty()) {
-        const auto found = std::lower_bound(
-            known_.begin(), known_.end(), key_of(at.node, at.material),
-            [](const Known& a, const auto& key) { return key_of(a.node, a.material) < key; });
-        const bool is_known = found != known_.end() && key_of(found->node, found->material) == key_of(at.node, at.material);
-        return is_known ? found->area_density : 0;
-    }
+    if (tree_.is_empty()) return 0;
     // Several placements of a node have triangles of one number: the nearest to the point counts.
     double nearest = std::numeric_limits<double>::infinity();
     std::uint32_t leaf_hit = 0;

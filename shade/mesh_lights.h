@@ -1,10 +1,10 @@
 // Emissive surfaces: all triangles with an emissive material, as one light.
 //
-// Up to kMostWithoutTree triangles are drawn in proportion to area times the luminance of the material's mean emission. Of
-// more, a tree of lights draws those that matter to the point (shade/light_tree.h), and a point within what it has drawn
-// is again in proportion to that. So the density per area is known for a ray that happens to hit an emissive surface. Only
-// triangles that stand still and that all scattered rays see are sampled; emissive subdivision surfaces, deformed meshes and
-// those that are hidden from some scattered rays are found by these rays alone.
+// A tree of lights draws the triangles that matter to the point (shade/light_tree.h), and those within a leaf of it are
+// drawn in proportion to area times the luminance of the material's mean emission. So the density per area is known for a
+// ray that happens to hit an emissive surface. Only triangles that stand still and that all scattered rays see are sampled;
+// emissive subdivision surfaces, deformed meshes and those that are hidden from some scattered rays are found by these rays
+// alone.
 //
 // Space    world axes, frame lengths (scenegraph/frame_scale.h).
 // Memory   a double and two indices per triangle; the vertices stay in the scene. A tree takes about 160 bytes a triangle,
@@ -42,16 +42,14 @@ public:
 
     /// The most faces of emissive objects, counted in each placement: sums over 33 million triangles take 540 MB.
     static constexpr std::size_t kMostFaces = std::size_t(1) << 25;
-    /// More triangles than this are drawn by a tree.
-    static constexpr std::size_t kMostWithoutTree = 16;
     /// Leaves out the light of the backs of single-sided surfaces.
     void hide_backs() noexcept { shows_backs_ = false; }
-    /// Makes the tree, if there is to be one. The points of receivers are relative to the origin, if one is given.
+    /// Makes the tree, before anything is sampled. The points of receivers are relative to the origin, if one is given.
     void make_tree(std::optional<Vec3d> origin);
-    /// Returns the tree of emissive triangles, which may be empty.
+    /// Returns the tree of emissive triangles, which is empty if none is sampled.
     const LightTree& tree() const noexcept { return tree_; }
 
-    /// Draws a point on the surfaces for a receiver, which counts if there is a tree. The distance of the sample ends before
+    /// Draws a point on the surfaces for a receiver. The distance of the sample ends before
     /// the surface by what rounding may move that.
     LightSample sample(Vec3d point, const Receiver& receiver, LightNumbers numbers) const noexcept;
 
@@ -75,11 +73,6 @@ private:
         float area_density;  ///< not yet divided by the total
         bool is_mirrored;    ///< the placement reverses the orientation of faces
         float extent;        ///< of the cage, as far as its coordinates and so their rounding go
-    };
-    struct Known {
-        NodeId node;
-        const Material* material;
-        float area_density;
     };
     struct TrianglePoints {
         Vec3d a, b, c;
@@ -116,7 +109,6 @@ private:
     std::vector<std::uint32_t> mesh_indices_;
     std::vector<std::uint32_t> faces_;
     std::vector<double> sums_;  ///< running sums of area times luminance
-    std::vector<Known> known_;  ///< sorted
     LightTree tree_;
     std::size_t of_a_leaf_ = 1;  ///< triangles
 };
