@@ -145,23 +145,18 @@ public:
         return place(row, column);
     }
     // Decides the chances, once all is divided: from a part with more than a certain share of all light a light is drawn for
-    // sure, and from others in proportion. The share is as small as the number of draws allows.
+    // sure, and from others in proportion. The share is half of that of one draw, or all of it if that is too many draws. If
+    // the others have few chances then, since light that may be hidden outshines them by far, they get some of what is left.
     void finish() noexcept
     {
         float all = kLeastPower;
         for (std::size_t row = 0; row < rows_; ++row) all += of_[row].sum();
         const float most = 1 / float(draws_);
-        for (const float certain : {most * 0.5f, most}) {
-            const vfloat scale(1 / (all * certain));
-            float expected = 0;
-            for (std::size_t row = 0; row < rows_; ++row) {
-                for (std::size_t k = 0; k < kWide; k += std::size_t(kLanes))
-                    min(vfloat::load(of_[row].light + k) * scale, vfloat(1.0f)).store(chance_[row] + k);
-                chances_[row] = sum_of(chance_[row]);
-                expected += chances_[row];
-            }
-            if (expected <= float(draws_)) return;
-        }
+        if (set_chances(1 / (all * most * 0.5f)) > float(draws_)) set_chances(1 / (all * most));
+        Uncertain others;
+        for (std::size_t row = 0; row < rows_; ++row) add_uncertain(row, others);
+        const float due = std::min(float(draws_) * kDueToOthers, float(draws_) - others.certain);
+        if (others.light > 0 && others.chances < due) set_chances(due / others.light);
     }
     // Returns the chance with which a light is drawn from a part, and the sum of those of a row.
     float chance(std::size_t row, std::size_t column) const noexcept { return chance_[row][column]; }
@@ -175,6 +170,38 @@ public:
 
 private:
     static constexpr std::size_t kMostRows = 10;
+    static constexpr float kDueToOthers = 1.0f / 8;  // of all draws
+
+    struct Uncertain {
+        float certain = 0;             // parts from which a light is drawn for sure
+        float chances = 0, light = 0;  // sums over the others
+    };
+    void add_uncertain(std::size_t row, Uncertain& to) const noexcept
+    {
+        const vfloat one(1.0f), zero(0.0f);
+        float certain[kWide], light[kWide];
+        for (std::size_t k = 0; k < kWide; k += std::size_t(kLanes)) {
+            const vmask is_certain = vfloat::load(chance_[row] + k) >= one;
+            select(is_certain, one, zero).store(certain + k);
+            select(is_certain, zero, vfloat::load(of_[row].light + k)).store(light + k);
+        }
+        const float sure = sum_of(certain);
+        to.certain += sure;
+        to.chances += chances_[row] - sure;
+        to.light += sum_of(light);
+    }
+    // Gives each part a chance in proportion to its light, of at most 1, and returns the sum of all.
+    float set_chances(float scale) noexcept
+    {
+        float sum = 0;
+        for (std::size_t row = 0; row < rows_; ++row) {
+            for (std::size_t k = 0; k < kWide; k += std::size_t(kLanes))
+                min(vfloat::load(of_[row].light + k) * vfloat(scale), vfloat(1.0f)).store(chance_[row] + k);
+            chances_[row] = sum_of(chance_[row]);
+            sum += chances_[row];
+        }
+        return sum;
+    }
 
     float most_doubt_in(std::size_t row) const noexcept
     {

@@ -161,6 +161,29 @@ TEST(LightTree, LightsNearbyAreDrawnForSure)
 }
 
 // The variance that the choice adds to the sum of all light, if lights were drawn independently of each other.
+// The strong one may be hidden, so the others need draws of their own.
+TEST(LightTree, OthersAreDrawnBesideOneThatOutshinesThem)
+{
+    std::vector<WorldLight> lights(41);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        const float angle = 2 * maths::kPi * float(i) / 40;
+        lights[i].position = {1.5 * double(maths::cos(angle)), 1, 1.5 * double(maths::sin(angle))};
+        lights[i].strength = Vec3f(1);
+    }
+    lights.back().position = {6, 3, 0};
+    for (const float strength : {1.0f, 1e3f, 1e6f, 1e9f, 1e18f}) {
+        lights.back().strength = Vec3f(strength);
+        const LightTree tree(lights, 0);
+        for (const int draws : {16, 4, 2}) {
+            const Receiver receiver{tree.relative(Vec3d(0.3, 0, 0.2)), {0, 1, 0}, kAllGroups, false};
+            double others = 0;
+            for (std::uint32_t i = 0; i < 40; ++i) others += double(tree.expected(i, receiver, draws));
+            EXPECT_GE(others, 0.99 * draws / 8) << strength;
+            EXPECT_LE(others + double(tree.expected(40, receiver, draws)), draws * 1.00001) << strength;
+        }
+    }
+}
+
 TEST(LightTree, TheChoiceOfLightsAddsLittleNoise)
 {
     const std::vector<WorldLight> lights = field_of_lights();
