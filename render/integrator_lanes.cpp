@@ -125,11 +125,10 @@ void Integrator::gather_placed_in_lanes(const shade::SurfaceLanes& surfaces, int
             v.of[k] = has_extent ? squares.y[k] : 0.5f;
             is_lit.of[k] = (light.groups & waiting(std::min(k, count - 1)).hit.lit_by) != 0 ? 1.0f : 0.0f;
         }
-        // Lights without an area are found by their samples alone in any case.
+        // Lights without an extent are found by their samples alone in any case.
         vfloat scatter_count = one;
         const shade::LaneVectors to_middle = start.to(light.position);
-        if (light.has_area())
-            scatter_count = select(shade::is_left_to_samples(light, to_middle.lanes(), peak.lanes()), zero, one);
+        if (has_extent) scatter_count = select(shade::is_left_to_samples(light, to_middle.lanes(), peak.lanes()), zero, one);
         shade::LightSampleLanes sample = shade::sample_from(light, to_middle, u, v);
         sample.radiance = select(is_lit.lanes() > zero, sample.radiance, shade::all_channels(zero));
         add_tests(surfaces, sample, scatter_count);

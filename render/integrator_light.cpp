@@ -188,8 +188,8 @@ void Integrator::gather_light(const Vertex& v, const shade::WorldLight& light, c
 {
     if ((light.groups & v.hit.lit_by) == 0) return;
     const int per_hit = light_samples_at(v.path);
-    // Lights without an area are found by their samples alone in any case.
-    const bool is_left_to_samples = light.has_area() && shade::FrameLights::is_left_to_samples(light, v.start, v.peak);
+    // Lights without an extent are found by their samples alone in any case.
+    const bool is_left_to_samples = light.has_extent() && shade::FrameLights::is_left_to_samples(light, v.start, v.peak);
     const shade::SampleCounts counts{samples.expected, is_left_to_samples ? 0.0f : float(scatter_samples_at(v.path))};
     const Vec3f to_middle(light.position - v.start);
     draw([&](Vec2f square) {

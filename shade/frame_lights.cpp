@@ -128,7 +128,7 @@ bool FrameLights::leaves_all_to_samples(Vec3d start, float peak, LightGroups gro
     const auto is_found = [&](std::uint32_t i) {
         return (lights()[i].groups & groups) != 0 && !is_left_to_samples(lights()[i], start, peak);
     };
-    return std::none_of(placed_->with_area.begin(), placed_->with_area.end(), is_found) &&
+    return std::none_of(placed_->with_extent.begin(), placed_->with_extent.end(), is_found) &&
            !tree().any_covering(start, kLeastChance / (peak * maths::kPi), is_found);
 }
 

@@ -9,6 +9,7 @@
 // Threads  const after construction.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -93,9 +94,9 @@ public:
         const Receiver& receiver;
         int draws;  ///< lights that were drawn at once
     };
-    /// Calls use(const WorldLight&, const LightCrossing&, float expected) for every area light that the ray meets, except
-    /// for those that are left to their own samples where the ray starts. `expected` is the number of samples of the light
-    /// that was to be expected for each light sample there: 1 for a light outside the tree.
+    /// Calls use(const WorldLight&, const LightCrossing&, float expected) for every light with an extent that the ray meets,
+    /// except for those that are left to their own samples where the ray starts. `expected` is the number of samples of the
+    /// light that was to be expected for each light sample there: 1 for a light outside the tree.
     template <class Use>
     void for_crossings(const Reach& ray, float peak, const Drawn& at, Use&& use) const
     {
@@ -103,9 +104,10 @@ public:
             const WorldLight& light = lights()[i];
             if (is_left_to_samples(light, ray.origin, peak)) return;
             const LightCrossing c = light.crossing(ray.origin, ray.direction);
-            if (c.density > 0 && c.distance < ray.t_far) use(light, c, expected());
+            const bool is_before_end = c.distance < ray.t_far || std::isinf(ray.t_far);  // a sun is at infinity
+            if (c.density > 0 && is_before_end) use(light, c, expected());
         };
-        for (const std::uint32_t i : placed_->with_area) cross(i, [] { return 1.0f; });
+        for (const std::uint32_t i : placed_->with_extent) cross(i, [] { return 1.0f; });
         tree().for_crossed(ray.origin, ray.direction,
                            [&](std::uint32_t i) { cross(i, [&] { return tree().expected(i, at.receiver, at.draws); }); });
     }

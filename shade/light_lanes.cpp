@@ -43,14 +43,15 @@ LightSampleLanes sample_point(const WorldLight& light, const VecLanes& to_light)
 
 LightSampleLanes sample_sun(const WorldLight& light, vfloat u, vfloat v) noexcept
 {
-    VecLanes direction = spread(-light.direction);
-    if (light.sun_spread > 0) {
-        const ShadingFrame axes(-light.direction);
-        const DiscPoints d(u, v);
-        direction = normalized(spread(axes.x) * (d.x * light.sun_spread) + spread(axes.y) * (d.y * light.sun_spread) +
-                               spread(axes.z) * vfloat(1.0f));
-    }
-    return {direction, std::numeric_limits<float>::infinity(), spread(light.strength), 0.0f};
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    if (!(light.sun_spread > 0)) return {spread(-light.direction), kInfinity, spread(light.strength), 0.0f};
+    const ShadingFrame axes(-light.direction);
+    const DiscPoints d(u, v);
+    const vfloat one = 1.0f, x = d.x * light.sun_spread, y = d.y * light.sun_spread;
+    const vfloat distance2 = x * x + y * y + one, distance = sqrt(distance2);
+    const VecLanes direction = (spread(axes.x) * x + spread(axes.y) * y + spread(axes.z) * one) * (one / distance);
+    return {direction, kInfinity, spread(light.strength),
+            distance2 * distance / vfloat(kPi * light.sun_spread * light.sun_spread)};
 }
 
 }  // namespace
@@ -84,7 +85,9 @@ LightSampleLanes sample_from(const WorldLight& light, const LaneVectors& to_midd
 
 vmask is_left_to_samples(const WorldLight& light, const VecLanes& to_middle, vfloat peak) noexcept
 {
-    return light.size2() / dot(to_middle, to_middle) * (peak * kPi) < vfloat(FrameLights::kLeastChance);
+    const vfloat sine2 = light.kind == WorldLight::Kind::Sun ? vfloat(light.sine2_subtended(Vec3d(0)))
+                                                             : light.size2() / dot(to_middle, to_middle);
+    return sine2 * (peak * kPi) < vfloat(FrameLights::kLeastChance);
 }
 
 }  // namespace occam::shade

@@ -20,7 +20,7 @@ struct LanePoints {
 LightSampleLanes sample_from(const WorldLight& light, const LaneVectors& to_middle, const LaneFloats& u,
                              const LaneFloats& v) noexcept;
 
-/// Returns FrameLights::is_left_to_samples() of an area light.
+/// Returns FrameLights::is_left_to_samples() of a light with an extent.
 /// to_middle   from where rays leave the surfaces
 vmask is_left_to_samples(const WorldLight& light, const VecLanes& to_middle, vfloat peak) noexcept;
 

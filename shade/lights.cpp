@@ -121,15 +121,33 @@ LightSample sample_point(const WorldLight& light, Vec3f to_light) noexcept
     return {direction, distance, glm::min(light.strength * fall, Vec3f(kMostOfAPoint)), 0};
 }
 
+// Returns the density per solid angle at a squared distance of a place on the disc of a sun, which is a unit away.
+float sun_density(const WorldLight& light, float distance2) noexcept
+{
+    return distance2 * std::sqrt(distance2) / (kPi * light.sun_spread * light.sun_spread);
+}
+
+// Samples are spread evenly over a disc that touches the unit sphere, so they are denser per solid angle towards its rim.
 LightSample sample_sun(const WorldLight& light, LightNumbers numbers) noexcept
 {
-    Vec3f direction = -light.direction;
-    if (light.sun_spread > 0) {
-        const ShadingFrame axes(direction);
-        const Vec2f d = disc_point(numbers.square) * light.sun_spread;
-        direction = glm::normalize(axes.to_world({d.x, d.y, 1}));
-    }
-    return {direction, kInfinity, light.strength, 0};
+    const Vec3f middle = -light.direction;
+    if (!(light.sun_spread > 0)) return {middle, kInfinity, light.strength, 0};
+    const ShadingFrame axes(middle);
+    const Vec2f d = disc_point(numbers.square) * light.sun_spread;
+    const float distance2 = d.x * d.x + d.y * d.y + 1;
+    const Vec3f direction = axes.to_world({d.x, d.y, 1}) * (1 / std::sqrt(distance2));
+    return {direction, kInfinity, light.strength, sun_density(light, distance2)};
+}
+
+LightCrossing cross_sun(const WorldLight& light, Vec3f direction) noexcept
+{
+    const float cosine = -glm::dot(direction, light.direction);
+    if (!(light.sun_spread > 0) || !(cosine > 0)) return {};
+    const Vec3f across = (direction + light.direction * cosine) * (1 / cosine);  // from the middle of the disc
+    const float offset2 = glm::dot(across, across);
+    if (!(offset2 <= light.sun_spread * light.sun_spread)) return {};
+    const float density = sun_density(light, offset2 + 1);
+    return {kInfinity, light.strength * density, density};
 }
 
 // Spreads samples along a long light by equal angles, as a point sees the light's axis (Kulla and Fajardo 2012, sec. 4.1):
@@ -313,6 +331,7 @@ LightSample WorldLight::sample_other(Vec3f to_middle, LightNumbers numbers) cons
 
 float WorldLight::sine2_subtended(Vec3d point) const noexcept
 {
+    if (kind == Kind::Sun) return sun_spread * sun_spread / (1 + sun_spread * sun_spread);
     const Vec3f to_middle(position - point);
     return size2() / glm::dot(to_middle, to_middle);
 }
@@ -321,8 +340,9 @@ LightCrossing WorldLight::crossing(Vec3d origin, Vec3f toward) const noexcept
 {
     switch (kind) {
         case Kind::Point:
-        case Kind::Sun:
             break;
+        case Kind::Sun:
+            return cross_sun(*this, toward);
         case Kind::Rectangle:
         case Kind::Disc:
             return cross_flat(*this, origin, toward);

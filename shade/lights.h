@@ -31,9 +31,9 @@ struct LightSample {
 
 /// Describes where a ray crosses a light that has no surface in the scene.
 struct LightCrossing {
-    float distance = 0;
-    Vec3f radiance{0};  ///< zero: the ray does not cross the light, or crosses it from behind
-    float density = 0;  ///< density with which WorldLight::sample() draws this direction
+    float distance = 0;  ///< infinity for a sun
+    Vec3f radiance{0};   ///< zero: the ray does not cross the light, or crosses it from behind
+    float density = 0;   ///< density with which WorldLight::sample() draws this direction
 };
 
 /// A light in world axes. `kind` decides which fields are read.
@@ -64,8 +64,8 @@ struct WorldLight {
     /// samples then need one subtraction in double.
     LightSample sample_from(Vec3f to_middle, LightNumbers numbers) const noexcept;
     LightCrossing crossing(Vec3d origin, Vec3f direction) const noexcept;
-    /// Returns the squared sine of the half angle that a sphere around the light subtends at the point; the result is
-    /// above 1 within that sphere.
+    /// Returns the squared sine of the half angle that a sphere around the light subtends at the point, or that the disc of
+    /// a sun does anywhere; the result is above 1 within that sphere.
     float sine2_subtended(Vec3d point) const noexcept;
     /// Returns whether floats hold the squares of all distances between the light and the surfaces of a scene. The frame
     /// leaves out a light that is farther away than kFarthestLight, or whose place is not a number.
@@ -79,9 +79,9 @@ struct WorldLight {
                    ? radius * radius
                    : glm::dot(half_x, half_x) + glm::dot(half_y, half_y) + 2 * std::fabs(glm::dot(half_x, half_y));
     }
-    /// Returns whether sample() depends on its numbers.
+    /// Returns whether the light subtends a solid angle: sample() depends on its numbers, and rays can cross the light.
     bool has_extent() const noexcept { return kind != Kind::Point && !(kind == Kind::Sun && !(sun_spread > 0)); }
-    /// Returns true if rays can cross the light, which means that it has an area.
+    /// Returns whether the light has an area at a finite distance.
     bool has_area() const noexcept { return kind == Kind::Rectangle || kind == Kind::Disc || kind == Kind::Sphere; }
 
 private:

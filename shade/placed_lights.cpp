@@ -36,7 +36,7 @@ PlacedLights::PlacedLights(std::vector<WorldLight> all) : lights(std::move(all))
         tree = LightTree(lights, outside_tree);
     }
     for (std::uint32_t i = 0; i < outside_tree; ++i)
-        if (lights[i].has_area()) with_area.push_back(i);
+        if (lights[i].has_extent()) with_extent.push_back(i);
 }
 
 // Few lights are made anew: they need no tree, and their suns do not stand first.

@@ -24,7 +24,7 @@ struct PlacedLights {
 
     std::vector<WorldLight> lights;  ///< first those outside the tree
     std::size_t outside_tree = 0;
-    std::vector<std::uint32_t> with_area;  ///< of those outside the tree
+    std::vector<std::uint32_t> with_extent;  ///< of those outside the tree
     LightTree tree;
 };
 

@@ -156,5 +156,42 @@ TEST(DefaultLight, IsTheSameForEachCrop)
     EXPECT_TRUE(renderer.stats().lights.has_default);
 }
 
+// The mirror reflects the middle of the key light's disc, which has the tangent 0.05, towards the eye.
+TEST(DefaultLight, AMirrorShowsTheDiscOfTheLamp)
+{
+    const Vec3f to_eye(0, 0, 1), to_lamp = -glm::normalize(Vec3f(0.5f, -0.8f, -0.6f));
+    const Vec3f normal = glm::normalize(to_eye + to_lamp), x = glm::normalize(glm::cross(Vec3f(0, 1, 0), normal)),
+                y = glm::cross(normal, x);
+    for (const float roughness : {0.0f, 0.02f}) {
+        Scene scene;
+        Cage cage;
+        cage.scheme = Scheme::Triangles;
+        cage.positions = {-x - y, x - y, x + y, y - x};
+        cage.face_vertices = {0, 1, 2, 0, 2, 3};
+        Material chrome;
+        chrome.base_color = Vec4f(1);
+        chrome.metallic = 1;
+        chrome.roughness = roughness;
+        cage.materials = {scene.add(chrome)};
+        NodeDesc node;
+        node.cages = {scene.add(std::move(cage))};
+        scene.add_node(scene.root(), node);
+        Settings settings;
+        settings.width = settings.height = 8;
+        settings.spp = 16;
+        settings.bounces = 0;
+        Renderer renderer({.threads = 1, .memory_bytes = std::size_t(64) << 20});
+        const Image image = renderer.render(scene, Camera::look_at({0, 0, 50}, Vec3d(0), {0, 1, 0}, 0.004f), settings);
+        const double disc = 1.6 / (3.14159265 * 0.05 * 0.05);
+        double mean = 0;
+        for (std::size_t pixel = 0; pixel < 64; ++pixel) {
+            const double radiance = double(image.find("beauty")->pixels[4 * pixel]);
+            mean += radiance / 64;
+            EXPECT_NEAR(radiance, disc, 0.2 * disc) << roughness;  // a single scattered ray in thousands misses the disc
+        }
+        EXPECT_NEAR(mean, disc, 0.01 * disc) << roughness;
+    }
+}
+
 }  // namespace
 }  // namespace occam

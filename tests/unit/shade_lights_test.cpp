@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <glm/ext/matrix_transform.hpp>
+#include <limits>
 
 #include "render/sampler.h"
 #include "shade/direct.h"
@@ -186,13 +187,40 @@ TEST(Lights, ASunIsParallelAndInfinitelyFar)
     EXPECT_EQ(s.direction, Vec3f(0, 0, 1));
     EXPECT_TRUE(std::isinf(s.distance));
     EXPECT_EQ(s.radiance, Vec3f(5));
+    EXPECT_EQ(light.crossing({7, 8, 9}, {0, 0, 1}).density, 0) << "it is a point of the sky";
+}
+
+TEST(Lights, RaysThatMissAllCrossTheDiscOfASun)
+{
+    WorldLight sun = WorldLight::place({"", SunLight{Vec3f(5)}}, above(100));
+    sun.sun_spread = 0.05f;
+    const FrameLights lights({sun}, {});
+    const auto crossed = [&](Vec3f direction, float t_far, float peak = 1e4f) {
+        int count = 0;
+        lights.for_crossings({Vec3d(0), glm::normalize(direction), t_far}, peak, {Receiver{}, 1},
+                             [&](const WorldLight&, const LightCrossing& c, float) {
+                                 EXPECT_NEAR(c.radiance.x, 5 / (kPiD * 0.05 * 0.05), 3);
+                                 ++count;
+                             });
+        return count;
+    };
+    const float infinity = std::numeric_limits<float>::infinity();
+    EXPECT_EQ(crossed({0.049f, 0, 1}, infinity), 1);
+    EXPECT_EQ(crossed({0.051f, 0, 1}, infinity), 0);
+    EXPECT_EQ(crossed({0, 0, -1}, infinity), 0);
+    EXPECT_EQ(crossed({0, 0, 1}, 1e30f), 0) << "something hides it";
+    EXPECT_EQ(crossed({0, 0, 1}, infinity, 1), 0) << "a matte surface leaves it to its samples";
+    EXPECT_TRUE(lights.leaves_all_to_samples(Vec3d(0), 1, kAllGroups));
+    EXPECT_FALSE(lights.leaves_all_to_samples(Vec3d(0), 1e4f, kAllGroups));
 }
 
 // Sampled directions pass a chi-square test, and a ray along one of them finds the same light, at the same place, with the
 // same density.
 TEST(Lights, SampledDirectionsFollowTheDensityThatCrossingRaysAreTold)
 {
-    const WorldLight lights[] = {WorldLight::place(area(AreaLight::Shape::Rectangle, {2, 3}, 1), above(1.5)),
+    WorldLight sun = WorldLight::place({"", SunLight{Vec3f(5)}}, above(1.5));
+    sun.sun_spread = 0.8f;
+    const WorldLight lights[] = {sun, WorldLight::place(area(AreaLight::Shape::Rectangle, {2, 3}, 1), above(1.5)),
                                  WorldLight::place(area(AreaLight::Shape::Disc, {2, 3}, 1), above(1.5)),
                                  WorldLight::place(area(AreaLight::Shape::Sphere, {2, 2}, 1), above(1.5)),
                                  WorldLight::place(area(AreaLight::Shape::Rectangle, {2, 3}, 1, true), above(-1.5))};
@@ -210,9 +238,11 @@ TEST(Lights, SampledDirectionsFollowTheDensityThatCrossingRaysAreTold)
         for (int i = 0; i < 100; ++i) {
             const LightSample s = light.sample(point, {numbers.square() * 0.98f + 0.01f, 0});
             const LightCrossing c = light.crossing(point, s.direction);
-            EXPECT_NEAR(c.distance, s.distance, 2e-4f * s.distance) << int(light.kind);
+            EXPECT_TRUE(std::isinf(s.distance) ? c.distance == s.distance
+                                               : std::abs(c.distance - s.distance) <= 2e-4f * s.distance)
+                << int(light.kind);
             EXPECT_NEAR(c.density, s.density, 1e-3f * s.density) << int(light.kind);
-            EXPECT_NEAR(s.radiance.x * s.density, c.radiance.x, 1e-5f) << int(light.kind);
+            EXPECT_NEAR(s.radiance.x * s.density, c.radiance.x, 1e-5f * (1 + c.radiance.x)) << int(light.kind);
         }
     }
 }

@@ -70,7 +70,7 @@ TEST(PlacedLights, AreMadeAnewAfterAnyChange)
         EXPECT_NE(after, first);
         EXPECT_EQ(strengths(*after), strengths(*anew)) << other.size();
         EXPECT_EQ(after->outside_tree, anew->outside_tree);
-        EXPECT_EQ(after->with_area, anew->with_area);
+        EXPECT_EQ(after->with_extent, anew->with_extent);
         EXPECT_EQ(after->tree.is_empty(), anew->tree.is_empty());
     }
 }
