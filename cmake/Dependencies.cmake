@@ -19,6 +19,14 @@ add_library(occam_oiio INTERFACE)
 target_include_directories(occam_oiio SYSTEM INTERFACE ${OCCAM_OIIO_INCLUDE})
 target_link_libraries(occam_oiio INTERFACE ${OCCAM_OIIO_LIBRARY} ${OCCAM_OIIO_UTIL_LIBRARY} OpenEXR::OpenEXR)
 
+# Debian's libwebp has no config of CMake.
+find_path(OCCAM_WEBP_INCLUDE webp/demux.h REQUIRED)
+find_library(OCCAM_WEBP_LIBRARY webp REQUIRED)
+find_library(OCCAM_WEBP_DEMUX_LIBRARY webpdemux REQUIRED)
+add_library(occam_webp INTERFACE)
+target_include_directories(occam_webp SYSTEM INTERFACE ${OCCAM_WEBP_INCLUDE})
+target_link_libraries(occam_webp INTERFACE ${OCCAM_WEBP_DEMUX_LIBRARY} ${OCCAM_WEBP_LIBRARY})
+
 # OpenSubdiv 3.5's own config names a static library that is not packaged.
 find_path(OCCAM_OSD_INCLUDE opensubdiv/bfr/surface.h REQUIRED)
 find_library(OCCAM_OSD_LIBRARY osdCPU REQUIRED)

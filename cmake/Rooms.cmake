@@ -33,11 +33,12 @@ function(occam_room name)
   set(OCCAM_ROOM_LIBRARIES ${OCCAM_ROOM_LIBRARIES} ${ROOM_LIBRARIES} PARENT_SCOPE)
 endfunction()
 
-# The module with all that needs OpenImageIO. It stands beside the library, which loads it when it first meets a picture file.
+# The module with all that needs OpenImageIO or libwebp. It stands beside the library, which loads it when it first meets a picture file.
 function(occam_picture_module)
-  add_library(occam_images SHARED ${PROJECT_SOURCE_DIR}/io/picture_module/picture_module.cpp)
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/io/picture_module/*.cpp)
+  add_library(occam_images SHARED ${sources})
   target_include_directories(occam_images PRIVATE ${PROJECT_SOURCE_DIR})
-  target_link_libraries(occam_images PRIVATE occam_flags occam_oiio)
+  target_link_libraries(occam_images PRIVATE occam_flags occam_oiio occam_webp)
   set_target_properties(occam_images PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
     CXX_VISIBILITY_PRESET hidden)
   add_dependencies(occam occam_images)

@@ -15,6 +15,7 @@
 #include "io/output_file.h"
 #include "io/picture_codec.h"
 #include "io/png_file.h"
+#include "io/texture/multiplied_color.h"
 #include "io/texture/open_image.h"
 #include "render/display.h"
 #include "render/file_colors.h"
@@ -241,9 +242,11 @@ std::pair<std::string, std::string> split_channel(const std::string& name)
 }
 
 // Makes the colours of a layer linear and multiplies them by its alpha, as far as the file has them otherwise.
-// power   of the encoding; 1: the values are linear, 0: they are sRGB
-void decode_colors(Layer& layer, float power, bool multiplies_alpha)
+// power           of the encoding; 1: the values are linear, 0: they are sRGB
+// is_multiplied   whether the values are multiplied by alpha already
+void decode_colors(Layer& layer, float power, bool is_multiplied)
 {
+    if (is_multiplied && power == 1) return;
     const std::size_t n = layer.channel_count();
     const auto found = std::find(layer.channels.begin(), layer.channels.end(), "A");
     const auto alpha = static_cast<std::size_t>(found - layer.channels.begin());  // n if there is none
@@ -251,8 +254,9 @@ void decode_colors(Layer& layer, float power, bool multiplies_alpha)
         for (std::size_t c = 0; c < n; ++c) {
             float& value = layer.pixels[i + c];
             if (c == alpha) continue;
-            if (power != 1) value = power == 0 ? linear_from_srgb(value) : std::pow(value, power);
-            if (multiplies_alpha && alpha < n) value *= layer.pixels[i + alpha];
+            if (is_multiplied && alpha < n) value = color_without_alpha(value, layer.pixels[i + alpha], true);
+            else if (power != 1) value = power == 0 ? linear_from_srgb(value) : std::pow(value, power);
+            if (alpha < n) value *= layer.pixels[i + alpha];
         }
 }
 
@@ -354,10 +358,8 @@ Image Image::read(const fs::path& file)
     image.y0 = spec.y - spec.full_y;
     image.full_width = spec.full_width;
     image.full_height = spec.full_height;
-    const bool is_png = in->format() == "png";
     ImageBytes bytes(file);
-    const float power = is_real(spec.type) ? 1 : is_png ? png_power(bytes) : 0;
-    const bool multiplies_alpha = is_png || in->text_attribute("oiio:UnassociatedAlpha") == "1";
+    const float power = is_real(spec.type) ? 1 : in->format() == "png" ? png_power(bytes) : 0;
     for (std::size_t first = 0; first < channels;) {
         const std::string name = split_channel(spec.channels[first]).first;
         std::size_t end = first;
@@ -367,7 +369,7 @@ Image Image::read(const fs::path& file)
         Layer& layer = image.add_layer(name, std::move(names), spec.channel_type(first) == SampleType::Float);
         const std::size_t n = end - first;
         for (std::size_t i = 0; i < count; ++i) std::copy_n(&pixels[i * channels + first], n, &layer.pixels[i * n]);
-        decode_colors(layer, power, multiplies_alpha);
+        decode_colors(layer, power, opened.has_multiplied_colors);
         first = end;
     }
     return image;

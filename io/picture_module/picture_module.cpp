@@ -14,6 +14,7 @@
 
 #include "base/overloaded.h"
 #include "io/picture_codec.h"
+#include "io/picture_module/webp_reader.h"
 
 namespace occam {
 namespace {
@@ -158,20 +159,22 @@ private:
     const int file_;
 };
 
-// Holds the first GB of a file, for the reader of JPEG, which takes no other stream than memory or the library's own. That
-// one ends the process if memory fails while it is opened. No JPEG of up to 2^32 texels is longer unless it is made to be.
+// Returns the first GB of a file. No JPEG of up to 2^32 texels and no WebP, of up to 2^28, is longer unless it is made to
+// be.
+std::vector<char> first_bytes_of(const std::string& name)
+{
+    constexpr std::size_t kMostBytes = std::size_t(1) << 30;
+    DecoderStream file(name);
+    std::vector<char> bytes(std::min(file.size(), kMostBytes));
+    bytes.resize(file.read(bytes.data(), bytes.size()));
+    return bytes;
+}
+
+// Holds a file for the reader of JPEG, which takes no other stream than memory or the library's own. That one ends the
+// process if memory fails while it is opened.
 class FileInMemory final : public OIIO::Filesystem::IOMemReader {
 public:
     explicit FileInMemory(std::vector<char> bytes) : IOMemReader(bytes.data(), bytes.size()), bytes_(std::move(bytes)) {}
-
-    static std::unique_ptr<FileInMemory> of(const std::string& name)
-    {
-        constexpr std::size_t kMostBytes = std::size_t(1) << 30;
-        DecoderStream file(name);
-        std::vector<char> bytes(std::min(file.size(), kMostBytes));
-        bytes.resize(file.read(bytes.data(), bytes.size()));
-        return std::make_unique<FileInMemory>(std::move(bytes));
-    }
 
 private:
     const std::vector<char> bytes_;
@@ -239,8 +242,9 @@ public:
     std::unique_ptr<PictureReader> open(const std::filesystem::path& file, const std::string& format,
                                         std::string& error) const override
     {
+        if (format == "webp") return open_webp(first_bytes_of(file.string()), error);
         std::unique_ptr<OIIO::Filesystem::IOProxy> stream;
-        if (format == "jpeg") stream = FileInMemory::of(file.string());
+        if (format == "jpeg") stream = std::make_unique<FileInMemory>(first_bytes_of(file.string()));
         else stream = std::make_unique<DecoderStream>(file.string());
         return open(file.string(), format, std::move(stream), error);
     }
@@ -248,6 +252,7 @@ public:
     std::unique_ptr<PictureReader> open(std::span<const std::byte> file, const std::string& format,
                                         std::string& error) const override
     {
+        if (format == "webp") return open_webp(file, error);
         auto memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::byte*>(file.data()), file.size());
         return open("memory." + format, format, std::move(memory), error);
     }

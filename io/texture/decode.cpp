@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/srgb.h"
+#include "io/texture/multiplied_color.h"
 #include "io/texture/open_image.h"
 #include "io/texture/row_filter.h"
 #include "io/texture/tiled_file.h"
@@ -147,12 +148,16 @@ void TextureSource::State::read_rows_as(int y_begin, int y_end, std::vector<Vec4
         if constexpr (std::is_integral_v<T>) return is_srgb ? srgb_table()[x] : data(x);
         else return is_srgb ? linear_from_srgb(x) : x;
     };
+    const bool divides = role == TextureRole::Color && image.has_multiplied_colors && places.alpha >= 0;
+    const auto color_at = [&](const T* v, int place) {
+        if (place < 0) return 0.0f;
+        return divides ? color_without_alpha(data(v[place]), data(v[places.alpha]), is_srgb) : color(v[place]);
+    };
     const auto [r, g, b] = places.color;
     texels.resize(std::size_t(y_end - y_begin) * std::size_t(spec.width));
     for (std::size_t i = 0; i < texels.size(); ++i) {
         const T* v = &values[i * static_cast<std::size_t>(channels)];
-        texels[i] = {r < 0 ? 0.0f : color(v[r]), g < 0 ? 0.0f : color(v[g]), b < 0 ? 0.0f : color(v[b]),
-                     places.alpha < 0 ? 1.0f : data(v[places.alpha])};
+        texels[i] = {color_at(v, r), color_at(v, g), color_at(v, b), places.alpha < 0 ? 1.0f : data(v[places.alpha])};
     }
 }
 

@@ -190,6 +190,28 @@ bool has_foreign_pixels_dds(ImageBytes& bytes)
     return bits != 8 && bits != 16 && bits != 24 && bits != 32;
 }
 
+bool has_multiplied_colors_tga(ImageBytes& bytes)
+{
+    // The last bytes say where the extension area lies, which says how long it is and what the alpha is (Truevision 1991,
+    // "TGA FILE FOOTER" and "EXTENSION AREA").
+    constexpr std::string_view kMark = "TRUEVISION-XFILE";
+    constexpr std::uint32_t kFooter = 26, kTypeOfAlpha = 494, kMultiplied = 4;
+    const std::uintmax_t size = bytes.size();
+    if (size < kFooter || !matches(bytes, kMark, size - 18)) return false;
+    const std::uintmax_t area = little_endian(bytes, size - kFooter, 4);
+    return area != 0 && little_endian(bytes, area, 2) > kTypeOfAlpha &&
+           little_endian(bytes, area + kTypeOfAlpha, 1) == kMultiplied;
+}
+
+std::optional<std::size_t> place_of_multiplied_dds(ImageBytes& bytes)
+{
+    constexpr std::uint32_t kFourCharacters = 0x4;
+    constexpr std::size_t kName = 84;
+    if (!matches(bytes, "DDS ") || !(little_endian(bytes, 80, 4) & kFourCharacters)) return std::nullopt;
+    if (!matches(bytes, "DXT2", kName) && !matches(bytes, "DXT4", kName)) return std::nullopt;
+    return kName + 3;
+}
+
 std::optional<ImageSize> declared_canvas(ImageBytes& bytes)
 {
     if (matches(bytes, kPngMagic)) {

@@ -51,6 +51,14 @@ bool has_foreign_compression_bmp(ImageBytes& bytes);
 /// not come to an end with some of them. Returns false for other formats.
 bool has_foreign_pixels_dds(ImageBytes& bytes);
 
+/// Returns true if a TGA says that its colours are multiplied by its alpha. Returns false for other formats; so that they do
+/// not look like a TGA, the caller has found the format by image_format().
+bool has_multiplied_colors_tga(ImageBytes& bytes);
+
+/// Returns the place of the byte of a DDS that tells blocks whose colours are multiplied by alpha (DXT2, DXT4) from the same
+/// ones whose colours are not, which is the next number; none if it holds no such blocks, or is of another format.
+std::optional<std::size_t> place_of_multiplied_dds(ImageBytes& bytes);
+
 struct ImageSize {
     std::uint32_t width, height;
 };

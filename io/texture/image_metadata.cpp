@@ -144,6 +144,20 @@ public:
         return kUsual;
     }
 
+    bool has_multiplied_colors() const
+    {
+        constexpr std::size_t kExtraSamples = 338, kAssociated = 1;
+        for (std::size_t at = first(); at < end(); at += entry()) {
+            if (number(at, 2) != kExtraSamples) continue;
+            if (number(at + 2, 2) != kShort) return false;
+            const std::size_t samples = number(at + 4, word());
+            if (samples <= word() / 2) return samples > 0 && number(value_of(at), 2) == kAssociated;
+            const std::size_t list = number(value_of(at), word());
+            return list <= file_.size() - 2 && number(list, 2) == kAssociated;
+        }
+        return false;
+    }
+
 private:
     static constexpr std::size_t kByte = 1, kShort = 3, kLong = 4;  // types of values
 
@@ -210,5 +224,7 @@ Orientation take_tiff_orientation(std::vector<std::byte>& file)
 {
     return orientation_of(TiffDirectory(file).take_orientation());
 }
+
+bool has_multiplied_colors_tiff(std::vector<std::byte>& file) { return TiffDirectory(file).has_multiplied_colors(); }
 
 }  // namespace occam

@@ -20,4 +20,8 @@ std::vector<std::byte> without_metadata(std::span<const std::byte> file, std::st
 /// the top left: of some kinds of pixels libtiff turns the rows, of others it does not.
 Orientation take_tiff_orientation(std::vector<std::byte>& file);
 
+/// Returns whether a TIFF says that its colours are multiplied by its alpha: the first sample of a pixel that is no colour
+/// is an "associated alpha" (TIFF 6.0, sec. 18).
+bool has_multiplied_colors_tiff(std::vector<std::byte>& file);
+
 }  // namespace occam

@@ -12,6 +12,7 @@
 #include "io/texture/image_header.h"
 #include "io/texture/image_metadata.h"
 #include "io/texture/jpeg_head.h"
+#include "io/texture/tiled_file.h"
 
 namespace occam {
 
@@ -59,6 +60,11 @@ public:
         } else if (has_color_numbers(bytes_, format_)) {
             image.bytes = with_whole_color_map(whole(), format_);
             image.reader = picture_codec().open(image.bytes, format_, why);
+        } else if (const auto kind = place_of_multiplied_dds(bytes_)) {
+            // The library would divide bytes by bytes of alpha, also by those that are 0, at which the process ends.
+            image.bytes = whole();
+            image.bytes[*kind] = static_cast<std::byte>(std::to_integer<int>(image.bytes[*kind]) + 1);
+            image.reader = picture_codec().open(image.bytes, format_, why);
         } else {
             if (encoded_) image.bytes = *encoded_;
             if (format_ == "openexr")
@@ -70,6 +76,7 @@ public:
         if (!image.reader) refuse("image cannot be read: " + why);
         check_spec(image.reader->spec());
         if (format_ == "hdr") image.orientation = radiance_orientation(*image.reader);
+        image.has_multiplied_colors = has_multiplied_colors(image);
         return image;
     }
 
@@ -136,6 +143,14 @@ private:
         const auto values = static_cast<std::uintmax_t>(std::max(channels, 1));
         if (wide > kMostTileValues / std::max<std::uintmax_t>(high, 1) / values)
             refuse("image has larger tiles than are read: " + std::to_string(wide) + " x " + std::to_string(high));
+    }
+
+    bool has_multiplied_colors(OpenImage& image)
+    {
+        if (format_ == "openexr") return !TiledFile::is_one(*image.reader);
+        if (format_ == "tiff") return has_multiplied_colors_tiff(image.bytes);
+        if (format_ == "targa") return has_multiplied_colors_tga(bytes_);
+        return place_of_multiplied_dds(bytes_).has_value();
     }
 
     Orientation radiance_orientation(const PictureReader& image) const

@@ -28,6 +28,9 @@ struct OpenImage {
     /// What the head of a Radiance file ("-Y 512 +X 1024") or the tag Orientation of a TIFF says. The rows of other formats
     /// begin at the top left for what reads them here.
     Orientation orientation;
+    /// Whether the colours are stored multiplied by alpha. A TIFF, TGA or DDS says so, and OpenEXR has that convention; only
+    /// files that `occam texture` wrote keep them apart. Samples of whole numbers are multiplied as they are, in sRGB.
+    bool has_multiplied_colors = false;
 };
 
 /// Returns whether so many texels are more than an honest file of that size holds: few bytes may declare many texels.

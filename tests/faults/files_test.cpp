@@ -5,6 +5,7 @@
 #include "tests/faults/fail_everywhere.h"
 #include "tests/support/gltf_scene.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/webp_files.h"
 
 namespace occam::test {
 namespace {
@@ -74,6 +75,8 @@ TEST_F(FailingFiles, WithTexturesAreReadOrRefused)
     const Density density{.dense = 4, .growth = 1.5, .may_lose_blocks = true};
     read_everywhere(textured("tiles.png").write(temp, "png.gltf"), density);
     read_everywhere(textured("tiles.exr").write(temp, "exr.gltf"), density);
+    temp.write("tiles.webp", kWebpFile);
+    read_everywhere(textured("tiles.webp").write(temp, "webp.gltf"), density);
 }
 
 TEST_F(FailingFiles, OfEveryFormatAreReadOrRefused)

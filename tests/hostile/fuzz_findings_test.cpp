@@ -12,6 +12,7 @@
 #include "occam/occam.h"
 #include "tests/support/picture_bytes.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/webp_files.h"
 
 namespace occam::test {
 namespace {
@@ -68,6 +69,7 @@ std::vector<std::string> errors_of_image(std::string_view file)
     scene.add(std::move(texture));
     TextureStore store(std::size_t(16) << 20);
     store.prepare(scene);
+    store.decode_all();
     return store.errors();
 }
 
@@ -86,6 +88,23 @@ TEST(FuzzFindings, ImagesOfThirtyBytesDoNotDeclareGibibytes)
         EXPECT_TRUE(errors[0].find("larger than is read") != std::string::npos ||
                     errors[0].find("far more than the file holds") != std::string::npos)
             << errors[0];
+    }
+}
+
+// A file that is cut off, or of which a byte is another one, is a picture or an error. The second file may also have a frame
+// that does not lie on its canvas.
+TEST(FuzzFindings, DamagedWebpFilesAreReadOrRefused)
+{
+    for (const std::string_view whole : {kWebpFile, kWebpAnimation}) {
+        EXPECT_TRUE(errors_of_image(whole).empty());
+        for (std::size_t length = 13; length < whole.size(); ++length)
+            EXPECT_EQ(errors_of_image(whole.substr(0, length)).size(), 1u) << length;
+        for (std::size_t at = 12; at < whole.size(); ++at)
+            for (const unsigned change : {0x01u, 0x80u, 0xffu}) {
+                std::string changed(whole);
+                changed[at] = static_cast<char>(static_cast<unsigned char>(changed[at]) ^ change);
+                EXPECT_LE(errors_of_image(changed).size(), 1u) << at;
+            }
     }
 }
 

@@ -109,7 +109,7 @@ TEST(TextureDecode, ChannelsOfOpenExrAreWhatTheirNamesSay)
     EXPECT_EQ(texel_of({"G", "B"}), Vec4f(0, 0.25f, 0.5f, 1));
     EXPECT_EQ(texel_of({"Y"}), Vec4f(0.25f, 0.25f, 0.25f, 1));
     EXPECT_EQ(texel_of({"R"}), Vec4f(0.25f, 0.25f, 0.25f, 1));
-    EXPECT_EQ(texel_of({"Y", "A"}), Vec4f(0.25f, 0.25f, 0.25f, 0.5f));
+    EXPECT_EQ(texel_of({"Y", "A"}), Vec4f(0.5f, 0.5f, 0.5f, 0.5f)) << "colours are stored multiplied by alpha";
     EXPECT_EQ(texel_of({"Y", "Z"}), Vec4f(0.25f, 0.25f, 0.25f, 1));
     EXPECT_EQ(texel_of({"paint.R", "paint.G"}), Vec4f(0.25f, 0.5f, 0, 1));
     EXPECT_EQ(texel_of({"N.X", "N.Y", "N.Z"}), Vec4f(0.25f, 0.5f, 0.75f, 1)) << "a vector has three parts";
