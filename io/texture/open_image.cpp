@@ -147,7 +147,7 @@ private:
 
     bool has_multiplied_colors(OpenImage& image)
     {
-        if (format_ == "openexr") return !TiledFile::is_one(*image.reader);
+        if (format_ == "openexr") return !TiledFile::keeps_colors_apart(*image.reader);
         if (format_ == "tiff") return has_multiplied_colors_tiff(image.bytes);
         if (format_ == "targa") return has_multiplied_colors_tga(bytes_);
         return place_of_multiplied_dds(bytes_).has_value();

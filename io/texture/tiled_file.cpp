@@ -141,6 +141,8 @@ bool TiledFile::is_one(const PictureReader& picture)
            spec.channels == std::vector<std::string>(std::begin(kChannels), std::end(kChannels));
 }
 
+bool TiledFile::keeps_colors_apart(const PictureReader& picture) { return picture.text_attribute(kAttribute) == kVersion; }
+
 TextureRole TiledFile::role_of(const PictureReader& picture)
 {
     return picture.text_attribute(kRoleAttribute) == kData ? TextureRole::Data : TextureRole::Color;

@@ -48,6 +48,9 @@ public:
     static void write(const MipImage& image, TextureRole role, const std::filesystem::path& file);
     /// Returns whether an opened picture says that write() has made it, and has the form that write() gives.
     static bool is_one(const PictureReader& picture);
+    /// Returns whether the colours of an OpenEXR file are not multiplied by alpha: those of these files, also where another
+    /// program has written them again in another form.
+    static bool keeps_colors_apart(const PictureReader& picture);
     /// Returns the role with which write() has made such a picture.
     static TextureRole role_of(const PictureReader& picture);
 
