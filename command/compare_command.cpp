@@ -11,6 +11,11 @@ namespace {
 
 void print(const render::Difference& d)
 {
+    if (d.has_other_channels) {
+        std::printf("%s: cannot be compared: it has different channels in the two pictures\n",
+                    printable_line(d.layer).c_str());
+        return;
+    }
     std::printf("%s: mse %.6g, rmse %.6g, rel-mse %.6g, psnr %.2f dB, max %.6g, p99.9 %.6g", printable_line(d.layer).c_str(),
                 d.mse, d.rmse, d.rel_mse, d.psnr, d.max, d.p999);
     if (d.incomparable) std::printf(", %llu pixels cannot be compared", static_cast<unsigned long long>(d.incomparable));
@@ -55,6 +60,7 @@ int run(const CompareArguments& a)
     const auto differences = render::compare(picture, reference);
     const auto judged = std::find_if(differences.begin(), differences.end(),
                                      [&](const render::Difference& d) { return d.layer == a.layer; });
+    if (judged != differences.end() && judged->has_other_channels) render::compare(picture, reference, a.layer);  // throws
     if (a.json) std::fputs(render::to_json(differences).c_str(), stdout);
     else std::for_each(differences.begin(), differences.end(), print);
 
@@ -65,7 +71,13 @@ int run(const CompareArguments& a)
         const double scale = a.heat_scale > 0 ? a.heat_scale : judged->max;
         render::heat_map(picture, reference, a.layer, scale).write(a.heat, {.tonemap = Tonemap::None});
     }
-    return !has_limit || meets_limits(a, *judged) ? 0 : 1;
+    if (!has_limit) return 0;
+    bool holds = meets_limits(a, *judged);
+    // What a picture covers is a part of it. Its alpha has figures of its own.
+    if (a.layer == CompareArguments().layer)
+        for (const render::Difference& d : differences)
+            if (d.layer == render::kAlphaOfBeauty) holds = meets_limits(a, d) && holds;
+    return holds ? 0 : 1;
 }
 
 }  // namespace occam::command

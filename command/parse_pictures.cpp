@@ -17,7 +17,9 @@ CLI::App& add_compare(CLI::App& all, CompareArguments& a)
     app.add_option("A", a.a, "Picture to judge")->required()->type_name("");
     app.add_option("B", a.b, "Reference")->required()->type_name("");
     app.add_flag("--json", a.json, "All common layers as JSON");
-    app.add_option("--layer", a.layer, "Layer of the limits and the heat map [beauty]")->type_name("NAME");
+    app.add_option("--layer", a.layer,
+                   "Layer of the limits and the heat map; beauty: also beauty.A, its alpha, for the limits [beauty]")
+        ->type_name("NAME");
     CLI::Option* heat = app.add_option("--heat", a.heat, "Write a map of the differences")->type_name("FILE");
     add_amount(app, "--heat-scale", "Difference that is shown as white; 0: the largest [0]", [&](double v) {
         a.heat_scale = v;

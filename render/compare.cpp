@@ -4,16 +4,45 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "base/error_without_file.h"
 
 namespace occam::render {
 namespace {
 
+constexpr const char* kOtherChannels = "the layer has different channels in the two pictures";
+
+// The channels of a layer that are compared: so many from the first one on.
+struct Channels {
+    const Layer* layer = nullptr;  // null: there are none of that name
+    std::size_t first = 0, count = 0;
+
+    float value(std::size_t pixel, std::size_t channel) const
+    {
+        return layer->pixels[pixel * layer->channel_count() + first + channel];
+    }
+    std::span<const std::string> names() const { return std::span(layer->channels).subspan(first, count); }
+};
+
+Channels channels_of(const Image& image, std::string_view name)
+{
+    const Layer* const layer = image.find(name);
+    constexpr std::size_t kColors = 3;
+    if (layer) return {layer, 0, name == "beauty" ? std::min(kColors, layer->channel_count()) : layer->channel_count()};
+    const Layer* const beauty = name == kAlphaOfBeauty ? image.find("beauty") : nullptr;
+    if (!beauty) return {};
+    const auto alpha = std::find(beauty->channels.begin(), beauty->channels.end(), "A");
+    if (alpha == beauty->channels.end()) return {};
+    return {beauty, static_cast<std::size_t>(alpha - beauty->channels.begin()), 1};
+}
+
 struct Pair {
-    const Layer& a;
-    const Layer& b;
-    std::size_t stride_a, stride_b, channels, pixels;
+    Channels a, b;
+    std::size_t pixels;
+
+    std::size_t channels() const { return b.count; }
+    bool has_same_channels() const { return std::ranges::equal(a.names(), b.names()); }
 };
 
 // Returns the rectangle of a picture's pixels, and the frame in which it lies.
@@ -29,7 +58,7 @@ bool is_whole(const Image& image)
     return image.x0 == 0 && image.y0 == 0 && image.full_width == image.width && image.full_height == image.height;
 }
 
-Pair pair_of(const Image& a, const Image& b, const std::string& name)
+void check_places(const Image& a, const Image& b)
 {
     if (a.width != b.width || a.height != b.height)
         throw error_without_file("pictures of different sizes cannot be compared: " + std::to_string(a.width) + "x" +
@@ -40,15 +69,21 @@ Pair pair_of(const Image& a, const Image& b, const std::string& name)
     if (!may_be_same && (a.x0 != b.x0 || a.y0 != b.y0 || a.full_width != b.full_width || a.full_height != b.full_height))
         throw error_without_file("pictures of different parts of a frame cannot be compared: " + place_of(a) + ", and " +
                                  place_of(b));
-    const Layer* la = a.find(name);
-    const Layer* lb = b.find(name);
-    if (!la || !lb) throw error_without_file("only one of the pictures has the layer", name);
-    const std::size_t limit = name == "beauty" ? 3 : std::numeric_limits<std::size_t>::max();
-    const std::size_t channels = std::min(limit, la->channel_count());
-    if (channels != std::min(limit, lb->channel_count()) ||
-        !std::equal(la->channels.begin(), la->channels.begin() + std::ptrdiff_t(channels), lb->channels.begin()))
-        throw error_without_file("the layer has different channels in the two pictures", name);
-    return {*la, *lb, la->channel_count(), lb->channel_count(), channels, std::size_t(a.width) * std::size_t(a.height)};
+}
+
+Pair pair_of(const Image& a, const Image& b, const std::string& name)
+{
+    check_places(a, b);
+    const Pair pair{channels_of(a, name), channels_of(b, name), std::size_t(a.width) * std::size_t(a.height)};
+    if (!pair.a.layer || !pair.b.layer) throw error_without_file("only one of the pictures has the layer", name);
+    return pair;
+}
+
+Pair comparable_pair_of(const Image& a, const Image& b, const std::string& name)
+{
+    const Pair pair = pair_of(a, b, name);
+    if (!pair.has_same_channels()) throw error_without_file(kOtherChannels, name);
+    return pair;
 }
 
 // Returns nothing if the two values cannot be compared.
@@ -63,19 +98,27 @@ std::optional<double> difference(float a, float b)
 std::optional<double> largest_difference(const Pair& p, std::size_t pixel)
 {
     double largest = 0;
-    for (std::size_t c = 0; c < p.channels; ++c) {
-        const auto d = difference(p.a.pixels[pixel * p.stride_a + c], p.b.pixels[pixel * p.stride_b + c]);
+    for (std::size_t c = 0; c < p.channels(); ++c) {
+        const auto d = difference(p.a.value(pixel, c), p.b.value(pixel, c));
         if (!d) return std::nullopt;
         largest = std::max(largest, std::fabs(*d));
     }
     return largest;
 }
 
-}  // namespace
-
-Difference compare(const Image& a, const Image& reference, const std::string& name)
+// Returns what is known of a layer of which no pixel can be compared.
+Difference no_figures(const Pair& p, const std::string& name)
 {
-    const Pair p = pair_of(a, reference, name);
+    Difference none;
+    none.layer = name;
+    none.has_other_channels = !p.has_same_channels();
+    none.pixels = none.incomparable = p.pixels;
+    none.mse = none.rmse = none.rel_mse = none.psnr = none.max = none.p999 = std::numeric_limits<double>::quiet_NaN();
+    return none;
+}
+
+Difference difference_of(const Pair& p, const std::string& name)
+{
     Difference out;
     out.layer = name;
     out.pixels = p.pixels;
@@ -88,16 +131,16 @@ Difference compare(const Image& a, const Image& reference, const std::string& na
             continue;
         }
         largest.push_back(*most);
-        for (std::size_t c = 0; c < p.channels; ++c) {
-            const float b = p.b.pixels[i * p.stride_b + c];
+        for (std::size_t c = 0; c < p.channels(); ++c) {
+            const float b = p.b.value(i, c);
             if (std::isinf(b)) continue;
-            const double d = *difference(p.a.pixels[i * p.stride_a + c], b);
+            const double d = *difference(p.a.value(i, c), b);
             squares += d * d;
             relative += d * d / (double(b) * double(b) + 0.01);
         }
     }
-    if (largest.empty()) return out;
-    const double values = double(largest.size()) * double(p.channels);
+    if (largest.empty()) return no_figures(p, name);
+    const double values = double(largest.size()) * double(p.channels());
     out.mse = squares / values;
     out.rmse = std::sqrt(out.mse);
     out.rel_mse = relative / values;
@@ -110,19 +153,32 @@ Difference compare(const Image& a, const Image& reference, const std::string& na
     return out;
 }
 
+}  // namespace
+
+Difference compare(const Image& a, const Image& reference, const std::string& name)
+{
+    return difference_of(comparable_pair_of(a, reference, name), name);
+}
+
 std::vector<Difference> compare(const Image& a, const Image& reference)
 {
-    std::vector<Difference> all;
+    check_places(a, reference);
+    std::vector<std::string> names{"beauty", std::string(kAlphaOfBeauty)};
     for (const Layer& layer : a.layers())
-        if (reference.find(layer.name)) all.push_back(compare(a, reference, layer.name));
+        if (std::find(names.begin(), names.end(), layer.name) == names.end()) names.push_back(layer.name);
+    std::vector<Difference> all;
+    for (const std::string& name : names) {
+        if (!channels_of(a, name).layer || !channels_of(reference, name).layer) continue;
+        const Pair pair = pair_of(a, reference, name);
+        all.push_back(pair.has_same_channels() ? difference_of(pair, name) : no_figures(pair, name));
+    }
     if (all.empty()) throw error_without_file("the pictures have no layer in common");
-    std::stable_partition(all.begin(), all.end(), [](const Difference& d) { return d.layer == "beauty"; });
     return all;
 }
 
 Image heat_map(const Image& a, const Image& reference, const std::string& name, double scale)
 {
-    const Pair p = pair_of(a, reference, name);
+    const Pair p = comparable_pair_of(a, reference, name);
     Image heat(a.width, a.height);
     heat.is_light = false;
     Layer& beauty = heat.add_layer("beauty", {"R", "G", "B"});

@@ -2,18 +2,25 @@
 //
 // Figures are means over all channels of all pixels that can be compared, in double. A pixel that is NaN in either
 // picture, or infinite in only one, cannot be compared and is counted. A pixel that is infinite in both alike is equal.
+// Where no pixel can be compared, the figures are NaN.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "render/image.h"
 
 namespace occam::render {
 
+/// What the alpha of the picture is called among the layers: it is measured by itself, so that the figures of beauty are
+/// those of its colours.
+inline constexpr std::string_view kAlphaOfBeauty = "beauty.A";
+
 struct Difference {
     std::string layer;
+    bool has_other_channels = false;  ///< the pictures have other channels there; no pixel can be compared
     std::uint64_t pixels = 0;
     std::uint64_t incomparable = 0;  ///< pixels that are left out of the figures below
     double mse = 0, rmse = 0;
@@ -23,12 +30,12 @@ struct Difference {
     double p999 = 0;     ///< 99.9th percentile of a pixel's largest absolute difference (nearest rank)
 };
 
-/// Compares two layers with the same channels (only R, G and B of beauty). Throws Error if channels, sizes or places
-/// in the frame differ.
+/// Compares two layers with the same channels (only R, G and B of beauty), or the alpha of both pictures (kAlphaOfBeauty).
+/// Throws Error if channels, sizes or places in the frame differ.
 Difference compare(const Image& a, const Image& reference, const std::string& layer);
 
-/// Compares every layer that both pictures have, beauty first. Throws Error if sizes or places in the frame
-/// differ, or no layer is common.
+/// Compares every layer that both pictures have, beauty first and then its alpha. A layer whose channels differ has no
+/// figures. Throws Error if sizes or places in the frame differ, or no layer is common.
 std::vector<Difference> compare(const Image& a, const Image& reference);
 
 /// Returns the layer's largest absolute difference at each pixel as a colour, from black for none through red and yellow

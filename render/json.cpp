@@ -163,6 +163,7 @@ std::string to_json(const std::vector<Difference>& differences)
         all.push_back({{"layer", d.layer},
                        {"pixels", d.pixels},
                        {"incomparable", d.incomparable},
+                       {"same_channels", !d.has_other_channels},
                        {"mse", number(d.mse)},
                        {"rmse", number(d.rmse)},
                        {"rel_mse", number(d.rel_mse)},

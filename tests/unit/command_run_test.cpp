@@ -295,19 +295,6 @@ TEST_F(Command, AnErrorOfZeroEndsNoPixelEarly)
               kDone);
 }
 
-TEST_F(Command, CompareChecksItsLimits)
-{
-    ASSERT_EQ(run({"render", "triangle.obj", "-o", "a.exr", "--size", "32x32", "--spp", "1"}).exit_code, kDone);
-    ASSERT_EQ(run({"render", "triangle.obj", "-o", "b.exr", "--size", "32x32", "--spp", "4"}).exit_code, kDone);
-    EXPECT_EQ(run({"compare", "a.exr", "a.exr", "--max-error", "0"}).exit_code, kDone);
-    EXPECT_EQ(run({"compare", "a.exr", "b.exr"}).exit_code, kDone);
-    const Outcome o = run({"compare", "a.exr", "b.exr", "--max-error", "1e-9", "--heat", "heat.png", "--json"});
-    EXPECT_EQ(o.exit_code, kDoesNotHold);
-    EXPECT_NE(o.err.find("max error"), std::string::npos);
-    EXPECT_NE(o.out.find("\"rmse\""), std::string::npos);
-    EXPECT_TRUE(fs::exists(folder / "heat.png"));
-}
-
 TEST_F(Command, InfoSaysWhatIsInAScene)
 {
     const Outcome o = run({"info", "triangle.obj", "--json"});

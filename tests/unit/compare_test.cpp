@@ -72,6 +72,48 @@ TEST(Compare, AlphaOfBeautyDoesNotCount)
     EXPECT_EQ(compare(a, b, "beauty").max, 0);
 }
 
+// A black picture that covers everything is another one than a clear one.
+TEST(Compare, AlphaOfBeautyIsMeasuredByItself)
+{
+    Image a(2, 1), b(2, 1);
+    a.add_layer("beauty", {"R", "G", "B", "A"}).pixels = {0, 0, 0, 1, 0, 0, 0, 1};
+    b.add_layer("beauty", {"R", "G", "B", "A"}).pixels = {0, 0, 0, 1, 0, 0, 0, 0.5f};
+    a.add_layer("depth", {"Z"});
+    b.add_layer("depth", {"Z"});
+    const auto all = compare(a, b);
+    ASSERT_EQ(all.size(), 3u);
+    EXPECT_EQ(all[0].layer, "beauty");
+    EXPECT_EQ(all[0].max, 0);
+    EXPECT_EQ(all[1].layer, kAlphaOfBeauty);
+    EXPECT_EQ(all[1].max, 0.5);
+    EXPECT_EQ(all[1].mse, 0.125);
+    const Image heat = heat_map(a, b, std::string(kAlphaOfBeauty), 0.5);
+    EXPECT_EQ(heat.layers()[0].pixels, (std::vector<float>{0, 0, 0, 1, 1, 1}));
+}
+
+TEST(Compare, ALayerOfOtherChannelsHasNoFigures)
+{
+    Image a = flat(2, 2, 0.5f), b = a;
+    a.add_layer("foo", {"R", "G"});
+    b.add_layer("foo", {"R"});
+    const auto all = compare(a, b);
+    ASSERT_EQ(all.size(), 2u);
+    EXPECT_EQ(all[0].mse, 0);
+    EXPECT_TRUE(all[1].has_other_channels);
+    EXPECT_EQ(all[1].incomparable, 4u);
+    EXPECT_TRUE(std::isnan(all[1].mse));
+    EXPECT_THROW(compare(a, b, "foo"), Error);
+    EXPECT_THROW(heat_map(a, b, "foo", 1), Error);
+}
+
+TEST(Compare, WhereNothingCanBeComparedThereIsNoFigure)
+{
+    const auto d = compare(flat(2, 2, NAN), flat(2, 2, 0.5f), "beauty");
+    EXPECT_EQ(d.incomparable, 4u);
+    for (const double figure : {d.mse, d.rmse, d.rel_mse, d.psnr, d.max, d.p999}) EXPECT_TRUE(std::isnan(figure));
+    EXPECT_NE(to_json({d}).find("\"mse\": null"), std::string::npos) << to_json({d});
+}
+
 TEST(Compare, CommonLayersAreComparedBeautyFirst)
 {
     Image a(1, 1), b(1, 1);
