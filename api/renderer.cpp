@@ -60,6 +60,24 @@ std::exception_ptr error_for_lack_of_memory() noexcept
     }
 }
 
+/// Makes a renderer busy. Throws Error if it is that already.
+void take(std::atomic<bool>& busy)
+{
+    if (busy.exchange(true)) throw error_without_file("this renderer is busy with another frame");
+}
+
+/// Keeps a renderer busy for a scope.
+class Turn {
+public:
+    explicit Turn(std::atomic<bool>& busy) : busy_(busy) { take(busy); }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+    ~Turn() { busy_ = false; }
+
+private:
+    std::atomic<bool>& busy_;
+};
+
 // g++ 12 takes the same as one expression for a read beyond the end of a string (its bug 105651).
 std::string few_samples_for_mitchell(int enough)
 {
@@ -120,6 +138,7 @@ struct Job::State {
             error = std::current_exception();
         }
         if (error) renderer->lights = {};  // it may be made from images that could not be decoded
+        if (error && !renderer->textures.has_failed()) checkpoint.clear();
         // What a frame takes stays with the process, so that the next one need not ask the system for it again.
         return_freed_memory(stats.memory.arena_peak_bytes + kMostFreedBytes);
         tables.reset();
@@ -250,7 +269,7 @@ struct Job::State {
     bool keeps_checkpoint = true;
     std::string resumed;  ///< the checkpoint that the frame goes on from; empty while there is none
     Image image;
-    std::string checkpoint;  ///< empty unless the frame is unfinished
+    std::string checkpoint;  ///< empty unless the frame is unfinished, or failed because of a texture
     FrameStats stats;
     std::exception_ptr error;
 
@@ -291,7 +310,8 @@ Image Job::take_image()
 
 const std::string& Job::checkpoint() const
 {
-    state_->wait_and_throw();
+    state_->wait_until_done();
+    if (state_->checkpoint.empty()) state_->wait_and_throw();
     return state_->checkpoint;
 }
 
@@ -314,7 +334,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
 Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint, bool caller_waits)
 {
     check_inputs(scene, camera, settings);
-    if (state_->busy.exchange(true)) throw error_without_file("this renderer is busy with another frame");
+    take(state_->busy);
     try {
         auto job = std::make_unique<Job::State>(state_, scene, camera, settings);
         job->resumed = std::move(checkpoint);
@@ -342,11 +362,7 @@ SampleColor Renderer::replay(Scene& scene, const Camera& camera, const Settings&
                              std::ostream& out)
 {
     check_inputs(scene, camera, settings);
-    if (state_->busy.exchange(true)) throw error_without_file("this renderer is busy with another frame");
-    struct Busy {
-        std::atomic<bool>& flag;
-        ~Busy() { flag = false; }
-    } const busy{state_->busy};
+    const Turn turn(state_->busy);
     const DefaultFloats floats;
     Job::State frame(state_, scene, camera, settings);
     try {
@@ -367,6 +383,13 @@ std::size_t Renderer::memory_floor(const Scene& scene) const
     Resources resources = state_->resources;
     resources.memory_bytes = ~std::size_t(0);
     return render::plan_memory(scene, resources).floor_bytes;
+}
+
+std::uint64_t Renderer::halvings(const Scene& scene)
+{
+    const Turn turn(state_->busy);
+    state_->textures.prepare(scene);
+    return state_->textures.halvings_hash();
 }
 
 const FrameStats& Renderer::stats() const noexcept { return state_->stats; }

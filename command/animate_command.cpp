@@ -82,7 +82,10 @@ std::vector<std::string> new_ones(const std::vector<std::string>& warnings, std:
 class Sequence {
 public:
     Sequence(const AnimateArguments& arguments, Scene& scene, Renderer& renderer)
-        : arguments_(arguments), write_(arguments.write), stamp_(scene_stamp(scene, arguments)), framing_(scene, arguments)
+        : arguments_(arguments),
+          write_(arguments.write),
+          stamp_(scene_stamp(scene, arguments, renderer)),
+          framing_(scene, arguments)
     {
         framing_.fit_clip();
         const bool needs_exposure = !write_.exposure_ev && Image::is_for_display(arguments.output);

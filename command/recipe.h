@@ -3,7 +3,8 @@
 //
 // The number depends on the version, the settings, the camera, the moment, and the bytes of the scene's file, of the files
 // that it names and of the environment; of an image of more than 128 KiB it sees the size and both ends. It does not
-// depend on threads, budgets or folders. Pictures have it in their heads (WriteOptions::note).
+// depend on threads, budgets (but for images that are halved to fit one) or folders. Pictures have it in their heads
+// (WriteOptions::note).
 #pragma once
 
 #include <cstdint>
@@ -14,8 +15,9 @@
 
 namespace occam::command {
 
-/// Returns the part of the number that all pictures of one scene share. Reads the files once more.
-std::uint64_t scene_stamp(Scene& scene, const RenderArguments& arguments);
+/// Returns the part of the number that all pictures of one scene share. Reads the files once more. Where images are
+/// halved to fit the memory for textures, that belongs to it.
+std::uint64_t scene_stamp(Scene& scene, const RenderArguments& arguments, Renderer& renderer);
 
 /// Holds what a picture is made with, besides the scene.
 struct Recipe {

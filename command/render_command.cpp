@@ -54,14 +54,17 @@ public:
         return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
     }
 
-    /// Returns the figures of the frame when it is done. Throws Error: that of the frame, or if the engine refuses the
-    /// checkpoint, one that names the file.
-    FrameStats stats_of(const Job& job) const
+    /// Returns the figures of the frame when it is done. Throws Error: that of the frame, beside a checkpoint if a texture
+    /// failed it, or if the engine refuses the checkpoint, one that names the file.
+    FrameStats stats_of(const std::string& note, const Job& job) const
     try {
         return job.stats();
     } catch (const Error& error) {
         const std::string_view what = error.what();
-        if (!what.starts_with(render::kTheCheckpoint)) throw;
+        if (!what.starts_with(render::kTheCheckpoint)) {
+            keep_of_failed(note, job);
+            throw;
+        }
         throw Error(file_.string(), std::string(what.substr(render::kTheCheckpoint.size())) + kAnew);
     }
 
@@ -69,8 +72,15 @@ public:
     bool write(const std::string& note, const Job& job) const
     {
         std::error_code ignored;
-        const std::string& checkpoint = job.checkpoint();
         if (job.stats().complete && note_there() == note) std::filesystem::remove(file_, ignored);
+        return keep(note, job.checkpoint());
+    }
+
+private:
+    static constexpr char kAnew[] = "; without --resume the picture is made anew";
+
+    bool keep(const std::string& note, const std::string& checkpoint) const
+    {
         if (checkpoint.empty() || !arguments_.keeps_checkpoint()) return false;
         refuse_foreign();
         if (is_of_another(note)) return false;
@@ -80,9 +90,14 @@ public:
         out.publish();
         return true;
     }
-
-private:
-    static constexpr char kAnew[] = "; without --resume the picture is made anew";
+    // Keeps what a frame had made before a texture failed it. That is the error to tell, whatever happens here.
+    void keep_of_failed(const std::string& note, const Job& job) const noexcept
+    {
+        try {
+            keep(note, job.checkpoint());
+        } catch (...) {
+        }
+    }
 
     bool is_there() const
     {
@@ -146,6 +161,12 @@ bool is_empty(const Image& image)
     return std::all_of(pixels.begin(), pixels.end(), [](float value) { return value == 0; });
 }
 
+[[noreturn]] void end_without_picture(ProgressDisplay& display)
+{
+    display.end();
+    end_interrupted();
+}
+
 int run_frame(const RenderArguments& a, ProgressDisplay& display)
 {
     const std::filesystem::path files[] = {a.output, checkpoint_of(a.output)};
@@ -163,12 +184,12 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
     print_notes(scene);
 
     const auto edit_start = Clock::now();
-    const std::uint64_t stamp = scene_stamp(scene, a);
+    Renderer renderer(a.resources);
+    const std::uint64_t stamp = scene_stamp(scene, a, renderer);
     Framing framing(scene, a);
     if (a.frame || a.time || !a.clip.empty()) framing.fit_clip();  // the camera is that of a sequence
     framing.pose();
     const Camera camera = framing.open_shutter(framing.camera());
-    Renderer renderer(a.resources);
     Settings settings = settings_of(a, framing.settings(camera));
     if (a.replay) {
         print_warnings(scene.warnings, a.verbose);
@@ -186,11 +207,9 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
     Job job = renderer.start(scene, camera, settings, std::move(checkpoint));
     HeldInterrupts held;
     const Ending ending = wait_for(job, display, held, true);
-    if (ending == Ending::Abandoned || (ending == Ending::Interrupted && is_empty(job.image()))) {
-        display.end();
-        end_interrupted();
-    }
-    FrameStats stats = checkpoint_file.stats_of(job);
+    if (ending == Ending::Abandoned) end_without_picture(display);
+    FrameStats stats = checkpoint_file.stats_of(note, job);
+    if (ending == Ending::Interrupted && is_empty(job.image())) end_without_picture(display);
     framing.note_idle_strength(stats);
 
     display.say("writing " + a.output.string());

@@ -104,7 +104,8 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     Crew crew(setup.context, tracers, in, deadline);
     control.start_samples(tiles.size() * static_cast<std::size_t>(in.settings.spp), done_before);
     // The rounds take 1, 1, 2, 4, 8, ... samples, so that each doubles the number of samples of all pixels.
-    for (int target = sums ? 1 : in.settings.spp; !control.is_cancelled() && Clock::now() < deadline; target *= 2) {
+    const auto goes_on = [&] { return !control.is_cancelled() && !in.textures.has_failed() && Clock::now() < deadline; };
+    for (int target = sums ? 1 : in.settings.spp; goes_on(); target *= 2) {
         crew.make(tiles, std::min(target, in.settings.spp), film, control, sums.get());
         if (target >= in.settings.spp) break;
     }
@@ -112,7 +113,9 @@ FrameResult make_frame(const FrameInputs& in, FrameControl& control, FrameStats&
     stats.complete = control.is_whole();
     stats.image.least_samples = stats.complete ? in.settings.spp : sums ? sums->least_samples() : 0;
     FrameResult result{std::move(film).take(), {}, setup.context.clamp};
-    if (sums && !stats.complete && in.keeps_checkpoint) result.checkpoint = sums->checkpoint(scene_hash(in));
+    // A frame that fails is not worth going on from before it has a sample.
+    const bool is_worth_it = !in.textures.has_failed() || control.progress().fraction > 0;
+    if (sums && !stats.complete && in.keeps_checkpoint && is_worth_it) result.checkpoint = sums->checkpoint(scene_hash(in));
     return result;
 }
 

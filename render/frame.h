@@ -40,7 +40,8 @@ struct FrameResult {
     float clamp = 0;         ///< the limit of scattered light, which Settings::clamp_as_shown may have changed
 };
 
-/// Renders the frame and adds its cost to `stats`. Throws Error for a checkpoint of another picture.
+/// Renders the frame and adds its cost to `stats`. It ends early where a texture proves unreadable, and then holds nothing
+/// that was made since. Throws Error for a checkpoint of another picture.
 FrameResult render_frame(const FrameInputs& inputs, FrameControl& control, FrameStats& stats);
 
 }  // namespace occam::render

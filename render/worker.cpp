@@ -116,7 +116,7 @@ bool Worker::make_samples(std::span<const PixelRect> tiles, int before, int targ
     int made = before;
     bool is_stopped = false;
     while (made < target && !going_.empty()) {
-        is_stopped = control.is_cancelled() || Clock::now() >= deadline_;
+        is_stopped = control.is_cancelled() || context_.textures.has_failed() || Clock::now() >= deadline_;
         if (is_stopped) break;
         const int step = std::clamp(batch_rays_ / static_cast<int>(going_.size()), 1, spp);
         const int last = std::min({made + step, next_check(made), target});
@@ -127,7 +127,8 @@ bool Worker::make_samples(std::span<const PixelRect> tiles, int before, int targ
         if (made == spp) going_.clear();
         else if (is_check(made)) end_clean_pixels(tiles);
     }
-    if (made == before || (!kept && control.is_cancelled())) return false;
+    // What was made since a texture proved unreadable may show what stands in for it.
+    if (made == before || context_.textures.has_failed() || (!kept && control.is_cancelled())) return false;
     const std::uint64_t samples = kept ? pixels_.size() * std::uint64_t(spp) : samples_made_ - samples_before;
     visible_cells_ += (integrator_.counters().visible_cells - cells) * double(pixels_.size()) / double(samples);
     not_finite_ += count_not_finite() - not_finite;

@@ -188,10 +188,16 @@ struct TextureStore::State {
 
     std::size_t cap_bytes;
     MipImage unreadable;
-    std::atomic<bool> has_failed = false;  ///< some texture could not be read, perhaps one that is forgotten since
+    std::atomic<bool> has_failed = false;                            ///< a texture of the scene could not be read
     std::map<std::uint64_t, std::shared_ptr<TextureEntry>> entries;  // by identity
     std::vector<Slot> slots;                                         // by TextureId
     TileCache tiles{0};                                              // of the entries that are kept in tiles
+
+    // Entries that were forgotten, or never kept, do not count.
+    void count_failures()
+    {
+        has_failed = std::any_of(entries.begin(), entries.end(), [](const auto& e) { return e.second->has_failed(); });
+    }
 };
 
 TextureStore::TextureStore(std::size_t cap_bytes) : state_(std::make_unique<State>(cap_bytes)) {}
@@ -216,7 +222,7 @@ void TextureStore::prepare(const Scene& scene)
         is_weighting_known &= all.back()->keeping().is_weighted == are_weighted.back();
     }
     // The textures may be those of the frame before, and used in the same way.
-    if (fresh.empty() && is_weighting_known && ids.size() == state_->entries.size()) return;
+    if (fresh.empty() && is_weighting_known && ids.size() == state_->entries.size()) return state_->count_failures();
     check_decoding(fresh);
     const Plan plan = plan_for(all, are_weighted, state_->cap_bytes);
     std::map<std::uint64_t, std::shared_ptr<TextureEntry>> entries;
@@ -235,6 +241,7 @@ void TextureStore::prepare(const Scene& scene)
     state_->entries.swap(entries);
     state_->slots.swap(slots);
     state_->tiles.set_limit(plan.tile_bytes);
+    state_->count_failures();
 }
 
 void TextureStore::clear() noexcept

@@ -98,7 +98,9 @@ public:
     Image take_image();
     const FrameStats& stats() const;
     /// Returns what Renderer::start() can continue from, if the frame was made in rounds (Settings::progressive) and stopped
-    /// before its end; else an empty string. The bytes are valid for this version on machines of this byte order.
+    /// before its end; else an empty string. If it failed because a texture proved unreadable, that is what was made before,
+    /// so that nothing is lost once the file can be read (a frame without a sample throws). The bytes are valid for this
+    /// version on machines of this byte order.
     const std::string& checkpoint() const;
 
 private:
@@ -146,6 +148,10 @@ public:
                        std::ostream& out);
     /// Returns the least Resources::memory_bytes with which this renderer's number of threads can render the scene.
     std::size_t memory_floor(const Scene& scene) const;
+    /// Returns a number that tells how often each image of the scene is halved to fit Resources::texture_bytes, which
+    /// changes pictures; 0 if none is. Opens the images. Throws Error for images that cannot be decoded in reasonable time,
+    /// or if this renderer is busy with a frame.
+    std::uint64_t halvings(const Scene& scene);
     /// Returns the statistics of the last frame that render() made. Call it while render() makes no other frame.
     const FrameStats& stats() const noexcept;
 
