@@ -1,6 +1,7 @@
 #include "io/texture/open_image.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "base/error.h"
@@ -12,6 +13,7 @@
 #include "io/texture/image_header.h"
 #include "io/texture/image_metadata.h"
 #include "io/texture/jpeg_head.h"
+#include "io/texture/pnm_samples.h"
 #include "io/texture/tiled_file.h"
 
 namespace occam {
@@ -64,6 +66,10 @@ public:
             // The library would divide bytes by bytes of alpha, also by those that are 0, at which the process ends.
             image.bytes = whole();
             image.bytes[*kind] = static_cast<std::byte>(std::to_integer<int>(image.bytes[*kind]) + 1);
+            image.reader = picture_codec().open(image.bytes, format_, why);
+        } else if (const auto head = format_ == "pnm" ? read_head_of_few_values(bytes_) : std::nullopt) {
+            check_size(head->width, head->height);
+            image.bytes = with_many_values(whole(), *head);
             image.reader = picture_codec().open(image.bytes, format_, why);
         } else {
             if (encoded_) image.bytes = *encoded_;

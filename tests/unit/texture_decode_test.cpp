@@ -165,6 +165,39 @@ TEST(TextureDecode, RowsOfRadianceFilesRunAsTheySay)
     }
 }
 
+// The library's own samples would be up to a step of eight bits too dark.
+TEST(TextureDecode, SamplesOfPnmFilesAreSharesOfTheirLargest)
+{
+    const test::TempFolder folder;
+    const auto expect = [&](const std::string& bytes, std::initializer_list<float> values) {
+        SCOPED_TRACE(bytes);
+        Texture texture = texture_of(folder.write("image.ppm", bytes));
+        texture.role = TextureRole::Data;
+        const TextureSource source(texture);
+        const MipImage image = source.decode(0);
+        ASSERT_EQ(source.width(), 2);
+        int i = 0;
+        for (const float value : values) {
+            EXPECT_NEAR(image.texel(0, i / 3, 0)[i % 3], value, 5e-4f) << i;
+            ++i;
+        }
+    };
+    const float step = 1.0f / 100;
+    const std::initializer_list<float> colors = {step, 2 * step, 33 * step, 50 * step, 99 * step, 1};
+    expect("P6\n# comment\n2 1 # another\n100\n\x01\x02\x21\x32\x63\x64", colors);
+    expect("P6 2 1 100 \x01\x02\x21\x32\x63\xff", colors);
+    expect("P3 2 1 100 1 2 33\n50 # comment\n 99 100", colors);
+    expect("P5 2 1 3 \x01\x02", {1.0f / 3, 1.0f / 3, 1.0f / 3, 2.0f / 3, 2.0f / 3, 2.0f / 3});
+    expect("P2\n2 1\n200\n199 1\n", {199.0f / 200, 199.0f / 200, 199.0f / 200, 1.0f / 200, 1.0f / 200, 1.0f / 200});
+    expect("P6 2 1 255 \x33\x66\x99\xcc\xff\x01", {0.2f, 0.4f, 0.6f, 0.8f, 1, 1.0f / 255});
+    EXPECT_THROW(
+        {
+            const TextureSource cut(texture_of(folder.write("cut.ppm", "P6 2 1 100 \x01\x02")));
+            cut.decode(0);
+        },
+        Error);
+}
+
 // The tiles do not divide the rows of a halved image, nor these the tiles.
 TEST(TextureDecode, HalvesTiledImagesOfAnyTileHeight)
 {
