@@ -74,7 +74,7 @@ public:
             scene_.set_skin(nodes_[n], skin);
             check_joints(n, skin);
         }
-        add_clips(model_, accessors_, nodes_, scene_, report_);
+        add_clips(model_, accessors_, nodes_, instances_of_, scene_, report_);
         add_environment();
         accessors_.check_values(report_);
         leave_out_far_nodes(scene_, nodes_, report_);
@@ -190,9 +190,10 @@ private:
         instance.matrix.reset(), instance.camera = {}, instance.light = {};
         desc.cages.clear(), desc.materials.clear(), desc.morph_weights.clear();
         const NodeId id = scene_.add_node(parent, std::move(desc));
+        std::vector<NodeId>& instances = instances_of_[id];
         for (const Trs& place : places) {
             instance.place = place;
-            scene_.add_node(id, instance);
+            instances.push_back(scene_.add_node(id, instance));
         }
         return id;
     }
@@ -384,6 +385,7 @@ private:
     std::vector<NodeId> nodes_;                              // one for each node of the file
     std::map<std::pair<int, LightGroups>, LightId> lights_;  // punctual ones, by index and groups
     std::size_t instances_ = 0;                              // instances of EXT_mesh_gpu_instancing so far
+    InstancesOf instances_of_;                               // by the node whose mesh they show
     std::map<std::string, LightGroups> light_groups_;
     LightGroups groups_with_lights_ = 0;
     std::unordered_map<int, NodeExtras> mesh_extras_;  // by mesh

@@ -169,8 +169,8 @@ std::vector<SkinId> add_skins(const tinygltf::Model& model, AccessorReader& acce
     return ids;
 }
 
-void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes, Scene& scene,
-               Report& report)
+void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const std::vector<NodeId>& nodes,
+               const InstancesOf& instances, Scene& scene, Report& report)
 {
     ClipReader reader(model, accessors, nodes, report);
     for (std::size_t a = 0; a < model.animations.size(); ++a) {
@@ -179,8 +179,20 @@ void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const st
         for (std::size_t c = 0; c < animation.channels.size(); ++c) {
             const std::string where = named_element("animations", a, animation.name) + ".channels[" + std::to_string(c) +
                                       "]";
-            if (auto channel = reader.channel(animation, animation.channels[c], where))
+            auto channel = reader.channel(animation, animation.channels[c], where);
+            if (!channel) continue;
+            const auto shown_by = channel->path == Channel::Path::Weights ? instances.find(channel->target)
+                                                                          : instances.end();
+            if (shown_by == instances.end()) {
                 clip.channels.push_back(*std::move(channel));
+                continue;
+            }
+            const std::size_t bytes = (channel->times.size() + channel->values.size()) * sizeof(float);
+            accessors.copies().charge(shown_by->second.size(), bytes, where);
+            for (const NodeId instance : shown_by->second) {
+                clip.channels.push_back(*channel);
+                clip.channels.back().target = instance;
+            }
         }
         scene.add(std::move(clip));
     }

@@ -111,13 +111,13 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
         return part.cage.skin.sets > 0 || !part.cage.morph_targets.empty();
     });
     if (parts.size() == 1 || is_deformed || parts.size() > 0xffff) {
-        for (PrimitiveCage& part : parts) weld_by_position(part.cage), add(std::move(part.cage));
+        for (PrimitiveCage& part : parts) weld(part.cage), add(std::move(part.cage));
         return ids;
     }
     Cage whole;
     whole.name = m.name;
     for (const PrimitiveCage& part : parts) append(whole, part.cage);
-    weld_by_position(whole);
+    weld(whole);
     add(std::move(whole));
     return ids;
 }

@@ -1,7 +1,9 @@
 #include "io/import/vertices.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
+#include <utility>
 
 #include "io/import/bits_key.h"
 #include "io/import/key_numbers.h"
@@ -11,11 +13,39 @@ namespace occam::import {
 
 namespace {
 
+// Returns what four joints of a vertex are to it, in an order of their own: a joint without weight does not matter.
+BitsKey<8> key_of(const SkinBinding& skin, std::size_t at)
+{
+    std::array<std::pair<std::uint32_t, std::uint32_t>, 4> joints;
+    for (int k = 0; k < 4; ++k) {
+        const float weight = skin.weights[at][k];
+        joints[std::size_t(k)] = {weight != 0 ? skin.joints[at][k] : 0, bits_of(weight)};
+    }
+    std::sort(joints.begin(), joints.end());
+    BitsKey<8> key;
+    for (std::size_t k = 0; k < 4; ++k) key[2 * k] = joints[k].first, key[2 * k + 1] = joints[k].second;
+    return key;
+}
+
 // Moves vertex v to new_of[v]; of several vertices that go to one place the first stays.
 struct Renumbering {
     std::vector<std::uint32_t> new_of;
     std::size_t count = 0;
 
+    // Parts the vertices that go to one place by their keys of N words.
+    template <std::size_t N, class KeyOf>
+    void part(std::size_t keys, KeyOf&& key_of_vertex)
+    {
+        if (keys != new_of.size()) return;
+        KeyNumbers<N + 1> known;
+        for (std::size_t v = 0; v < keys; ++v) {
+            const BitsKey<N> own = key_of_vertex(v);
+            BitsKey<N + 1> key{new_of[v]};
+            std::copy(own.begin(), own.end(), key.begin() + 1);
+            new_of[v] = known.number_of(key);
+        }
+        count = known.size();
+    }
     template <class T>
     void apply(std::vector<T>& values) const
     {
@@ -99,7 +129,7 @@ std::optional<std::vector<std::uint32_t>> choose_used_vertices(std::vector<std::
     return used;
 }
 
-void weld_by_position(Cage& cage)
+void weld(Cage& cage)
 {
     Renumbering renumbering;
     KeyNumbers<3> places;
@@ -107,6 +137,14 @@ void weld_by_position(Cage& cage)
     for (Vec3f p : cage.positions)
         renumbering.new_of.push_back(places.number_of({bits_of(p.x), bits_of(p.y), bits_of(p.z)}));
     renumbering.count = places.size();
+    for (const MorphTarget& target : cage.morph_targets)
+        renumbering.part<3>(target.positions.size(), [&](std::size_t v) {
+            const Vec3f move = target.positions[v];
+            return BitsKey<3>{bits_of(move.x), bits_of(move.y), bits_of(move.z)};
+        });
+    const std::size_t vertices = cage.positions.size();
+    for (std::size_t first = 0; first + vertices <= cage.skin.weights.size(); first += vertices)
+        renumbering.part<8>(vertices, [&](std::size_t v) { return key_of(cage.skin, first + v); });
     cage.normals.clear();
     for (UvSet& set : cage.uv_sets)
         if (set.indices.empty()) weld_values(set.values, set.indices, cage, renumbering);

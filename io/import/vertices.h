@@ -1,4 +1,4 @@
-// Renumbering of the vertices of a cage: it chooses what faces use, and joins vertices of equal position.
+// Renumbering of the vertices of a cage: it chooses what faces use, and joins vertices that are one.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,9 @@ namespace occam::import {
 /// alone, up to a logarithm.
 std::optional<std::vector<std::uint32_t>> choose_used_vertices(std::vector<std::uint32_t>& corners, std::size_t vertices);
 
-/// Joins vertices of equal position. Texture coordinates and colours become face-varying, and each different value at
-/// a vertex is kept once. Normals are dropped.
-void weld_by_position(Cage& cage);
+/// Joins vertices of equal position that morph targets and skins move alike, so that lips which are closed at rest can open.
+/// Texture coordinates and colours become face-varying, and each different value at a vertex is kept once. Normals are
+/// dropped.
+void weld(Cage& cage);
 
 }  // namespace occam::import

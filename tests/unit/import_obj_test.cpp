@@ -107,6 +107,19 @@ TEST(ImportObj, TheFilesNormalsGoBeforeSmoothingGroups)
     EXPECT_TRUE(warns(scene, "1 corners have no normal: the index is out of range"));
 }
 
+TEST(ImportObj, VerticesThatNoFaceUsesNeedNoNormal)
+{
+    const TempFolder folder;
+    const std::string square = "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    for (const char* faces : {"vn 0 0 1\nf 2//1 3//1 4//1 5//1\n", "s 1\nf 2 3 4 5\n"}) {
+        const Scene scene = load(folder.write("a.obj", square + faces), {.strict = true});
+        EXPECT_TRUE(scene.warnings.empty()) << scene.warnings.front();
+    }
+    const Scene scene = load(folder.write("a.obj", square + "vn 0 0 0\nf 2//1 3//1 4//1 5//1\n"));
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_NE(scene.warnings[0].find("4 normals had no direction"), std::string::npos) << scene.warnings[0];
+}
+
 TEST(ImportObj, IndicesOfNormalsAndTextureCoordinatesOutOfRangeAreReported)
 {
     const TempFolder folder;
