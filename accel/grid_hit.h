@@ -20,6 +20,9 @@ struct GridHit {
     std::uint32_t id;
     lod::Blend<float> blend;  ///< the ray's blend in the grid's pair, if the grid blends
     lod::KeyTime time;        ///< the ray's time among the grid's keys, if the grid moves
+    /// The level whose mesh the ray nearly sees at the hit, if the grid is a lattice for rays of several levels and does not
+    /// blend. Other surfaces around the hit may blend.
+    int level;
 
     /// Returns where the ray sees a vertex of the lattice at one of its two levels, before they are blended.
     Vec3f fine_at(std::uint32_t vertex) const noexcept

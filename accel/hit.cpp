@@ -34,13 +34,19 @@ OCCAM_NEVER_INLINE void set_bump_gradients(const HitCorners& corners, const Tria
     hit.v_gradient = b[lane] * change(1, 1) + c[lane] * change(2, 1);
 }
 
+// Returns the nearest level in this range that a cage may have.
+int in_range(int level, PairRange range) noexcept
+{
+    return std::clamp(level, std::clamp(range.finest, lod::kFinestLevel, lod::kCoarsestLevel),
+                      std::clamp(range.coarsest, lod::kFinestLevel, lod::kCoarsestLevel));
+}
+
 // Returns the level in this range whose edges are at most `factor` times the target edge length of the ray at its hit.
 int level_at(const Ray& ray, const GridHit& met, const lod::LevelSettings& levels, float factor, PairRange range) noexcept
 {
     const float target_edge = target_edge_of(ray, levels).at(met.t);
     const int level = target_edge > 0 ? std::ilogb(std::min(target_edge, FLT_MAX) * factor) : lod::kFinestLevel;
-    return std::clamp(level, std::clamp(range.finest, lod::kFinestLevel, lod::kCoarsestLevel),
-                      std::clamp(range.coarsest, lod::kFinestLevel, lod::kCoarsestLevel));
+    return in_range(level, range);
 }
 
 // Returns the finer level of the pair that the ray sees at the hit, of those that the igrid serves.
@@ -105,14 +111,16 @@ OCCAM_NEVER_INLINE void set_identity(const GridHit& met, const MicropolygonPlace
 }
 
 // Returns the level at which secondary rays from a hit start: of the igrid's two levels, the one to which the surface is
-// nearer at the hit, so that the start moves by little. Where both are the same, it is the one whose edges are nearer to
-// the target edge length of the ray.
+// nearer at the hit, so that the start moves by little. Where both are the same, it is the level that the ray sees there:
+// then the surfaces around the start, which may cross this one, are where they were for the ray. On a mesh it is the level
+// whose edges are nearer to the target edge length of the ray.
 int start_level_of(const Ray& ray, const GridHit& met, const FrameState& frame) noexcept
 {
     if (!frame.has_levels) return kAnyLevel;
     const PairRange pairs = met.grid->pairs;
     if (met.grid->blends()) return pairs.finest + (met.blend.weight(met.t) >= 0.5f);
-    return level_at(ray, met, frame.levels, 4.0f / 3, {pairs.finest, pairs.coarsest + 1});
+    const PairRange range{pairs.finest, pairs.coarsest + 1};
+    return met.grid->is_lattice ? in_range(met.level, range) : level_at(ray, met, frame.levels, 4.0f / 3, range);
 }
 
 // Returns the place of a hit within its part, in quads. For a gap triangle, which has no width, it is the corner of the quad

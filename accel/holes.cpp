@@ -38,7 +38,7 @@ Place place_of(const Holes& holes, const Ray& ray, const GridHit& met, const Mic
 
 bool passes_hole(const Holes& holes, int lane, float t, IGrid& on, std::uint32_t number) noexcept
 {
-    GridHit met{t, &on, number, {}, {}};
+    GridHit met{t, &on, number, {}, {}, 0};
     MicropolygonPlace spot;
     spot.set(met);
     const Material& material = *material_of(*holes.frame.scene, *on.cage, spot.face);

@@ -84,7 +84,7 @@ public:
         else meet_single(grid, {lanes_, negative_, {from, to}}, query.only, query);
         if constexpr (kIsObserved<Found>)
             if (query.narration) {
-                GridHit like{0, &grid, 0, {}, lod::key_time(ray_.time, std::max(grid.segments, 1))};
+                GridHit like{0, &grid, 0, {}, lod::key_time(ray_.time, std::max(grid.segments, 1)), 0};
                 if (grid.blends()) like.blend = levels_.blend(grid.pairs.finest);
                 query.narration->igrid({like, lanes_, gradient_, from, to}, query.offered, t_far());
             }

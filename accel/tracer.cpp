@@ -14,7 +14,7 @@ namespace {
 template <class F>
 class Blends {
 public:
-    explicit Blends(const lod::RayLevels<F>& levels) : levels_(levels) {}
+    explicit Blends(lod::RayLevels<F>& levels) : levels_(levels) {}
 
     lod::Blend<float> operator()(int pair, std::size_t lane)
     {
@@ -30,10 +30,31 @@ public:
         }
     }
 
+    /// Returns the level whose mesh the ray in a lane sees at its hit, or the nearer one of two that it sees blended there.
+    int level_at(const Nearest& found, std::size_t lane)
+    {
+        if constexpr (std::is_same_v<F, float>) return level_at(found.t[lane], lane);
+        else {
+            // The levels of all lanes are found at once.
+            if (!are_levels_set_) levels_.nearest_level(F::load(found.t)).store(level_);
+            are_levels_set_ = true;
+            return static_cast<int>(level_[lane]);
+        }
+    }
+    /// Returns the same for any t.
+    int level_at(float t, std::size_t lane)
+    {
+        const F levels = levels_.nearest_level(F(t));
+        if constexpr (std::is_same_v<F, float>) return static_cast<int>(levels);
+        else return static_cast<int>(lane_of(levels, static_cast<int>(lane)));
+    }
+
 private:
-    const lod::RayLevels<F>& levels_;
+    lod::RayLevels<F>& levels_;
     int pair_ = lod::kNoPair;
+    bool are_levels_set_ = false;
     float start_[sizeof(F) / sizeof(float)]{}, scale_[sizeof(F) / sizeof(float)]{};
+    float level_[sizeof(F) / sizeof(float)];
 };
 
 }  // namespace
@@ -129,6 +150,7 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Expect&& expect, Fil
             m.time = {};
             if (!kWithBlend || !m.grid) return;
             if (m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
+            else if (frame.has_levels && m.grid->is_lattice) m.level = blends.level_at(found, lane);
             if (m.grid->segments > 0) m.time = lod::key_time(groups.sorted[first + i].time, m.grid->segments);
         };
         for (std::size_t i = 0; i < count; ++i) expect(groups.place_of[first + i]);
@@ -173,8 +195,9 @@ void Tracer::nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> 
             for (int k = 0; k < found.count[lane]; ++k) {
                 const NearestSome::Hit& hit = found.hits[lane][k];
                 if (!(hit.t > begin)) continue;
-                GridHit& m = met[at(i, known.count++)] = {hit.t, hit.grid, hit.id, {}, {}};
+                GridHit& m = met[at(i, known.count++)] = {hit.t, hit.grid, hit.id, {}, {}, 0};
                 if (m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
+                else if (s.frame.has_levels && m.grid->is_lattice) m.level = blends.level_at(m.t, lane);
                 if (m.grid->segments > 0) m.time = lod::key_time(s.groups.sorted[first + i].time, m.grid->segments);
                 begin = behind(hit.t);
             }

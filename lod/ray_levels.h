@@ -142,6 +142,26 @@ public:
         return select(grows_, end(std::clamp(high, finest, coarsest)), end(std::clamp(low, finest, coarsest)));
     }
 
+    /// Returns the level whose mesh each ray sees at t, or the nearer one of the two that it sees blended there. It makes
+    /// the table.
+    F nearest_level(F t) noexcept
+    {
+        make();
+        const F zero = 0.0f, one = 1.0f;
+        const auto is_behind = [&](F edge) {
+            return select(grows_, select(edge <= t, one, zero), select(t < edge, one, zero));
+        };
+        F level = static_cast<float>(finest), here = one;
+        for (int pair = finest; pair <= coarsest; ++pair) {
+            const F next = pair == coarsest ? zero : is_behind(edge_[pair + 1 - finest]);
+            level = level + next;
+            const Mask ends = here > next;
+            if (any(ends)) level = level + select(ends & (blend(pair).weight(t) >= F(0.5f)), one, zero);
+            here = next;
+        }
+        return level;
+    }
+
     Blend<F> blend(int pair) const noexcept
     {
         const F m = margin(pair), zero = 0.0f, far_away = kFar;

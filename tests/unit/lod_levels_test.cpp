@@ -185,6 +185,26 @@ TEST(RayLevels, SeeOneMeshAtTheFocus)
     }
 }
 
+/// Where two pairs overlap, both show the mesh of their common level.
+TEST(RayLevels, TellTheNearestLevelOfEachPlace)
+{
+    const lod::LevelSettings settings;
+    std::vector<Beam> all = beams(400);
+    for (const auto& more : {beams_with_starts(400), beams_with_a_focus(200)})
+        all.insert(all.end(), more.begin(), more.end());
+    std::mt19937_64 random(5);
+    for (const Beam& beam : all) {
+        lod::RayLevels<float> table = table_of(beam, settings);
+        for (int k = 0; k < 50; ++k) {
+            const float t = beam.t_end * static_cast<float>(random() >> 40) * 0x1p-24f;
+            for (int pair = table.finest; pair <= table.coarsest; ++pair)
+                if (table.begin(pair) <= t && t <= table.end(pair)) {
+                    EXPECT_EQ(table.nearest_level(t), pair + (table.blend(pair).weight(t) >= 0.5f)) << "at " << t;
+                }
+        }
+    }
+}
+
 TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
 {
     const lod::LevelSettings settings;
@@ -196,15 +216,17 @@ TEST(RayLevels, HaveTheSameBitsInLanesAndAlone)
         ASSERT_TRUE(
             lanes.set({all[i].a, all[i].b, all[i].start, all[i].focus}, all[i].t_in, all[i].t_end, all[i].t_end, settings));
         lanes.make();
-        const lod::RayLevels<float> alone = table_of(all[i], settings);
+        lod::RayLevels<float> alone = table_of(all[i], settings);
         ASSERT_EQ(lanes.finest, alone.finest);
         ASSERT_EQ(lanes.coarsest, alone.coarsest);
+        const auto same = [&](vfloat x, float y) {
+            float out[kLanes];
+            x.store(out);
+            return std::bit_cast<std::uint32_t>(out[kLanes - 1]) == std::bit_cast<std::uint32_t>(y);
+        };
         for (int pair = alone.finest; pair <= alone.coarsest; ++pair) {
-            const auto same = [&](vfloat x, float y) {
-                float out[kLanes];
-                x.store(out);
-                return std::bit_cast<std::uint32_t>(out[kLanes - 1]) == std::bit_cast<std::uint32_t>(y);
-            };
+            const float end = std::min(alone.end(pair), all[i].t_end);
+            EXPECT_TRUE(same(lanes.nearest_level(end), alone.nearest_level(end)));
             EXPECT_TRUE(same(lanes.begin(pair), alone.begin(pair)));
             EXPECT_TRUE(same(lanes.end(pair), alone.end(pair)));
             EXPECT_TRUE(same(lanes.blend(pair).start, alone.blend(pair).start));
@@ -222,7 +244,7 @@ TEST(RayLevels, HaveTheSameBitsWhateverTheOtherLanesSee)
         all.insert(all.end(), more.begin(), more.end());
     std::size_t compared = 0;
     for (const Beam& beam : all) {
-        const lod::RayLevels<float> alone = table_of(beam, settings);
+        lod::RayLevels<float> alone = table_of(beam, settings);
         float a[kLanes], b[kLanes], end[kLanes], start[kLanes], focus[kLanes], in[kLanes];
         for (int lane = 0; lane < kLanes; ++lane) {
             const float width = lod::edge_length(lane % 2 ? alone.finest - 2 : alone.coarsest + 3);
@@ -240,12 +262,16 @@ TEST(RayLevels, HaveTheSameBitsWhateverTheOtherLanesSee)
             continue;
         lanes.make();
         ++compared;
+        const auto same = [&](vfloat x, float y) {
+            float out[kLanes];
+            x.store(out);
+            return std::bit_cast<std::uint32_t>(out[0]) == std::bit_cast<std::uint32_t>(y);
+        };
+        for (int k = 0; k <= 16; ++k) {
+            const float t = beam.t_in + (beam.t_end - beam.t_in) * static_cast<float>(k) / 16;
+            EXPECT_TRUE(same(lanes.nearest_level(t), alone.nearest_level(t))) << "at " << t << " of " << beam.t_end;
+        }
         for (int pair = alone.finest; pair <= alone.coarsest; ++pair) {
-            const auto same = [&](vfloat x, float y) {
-                float out[kLanes];
-                x.store(out);
-                return std::bit_cast<std::uint32_t>(out[0]) == std::bit_cast<std::uint32_t>(y);
-            };
             EXPECT_TRUE(same(lanes.begin(pair), alone.begin(pair))) << beam.a << ' ' << beam.b << ' ' << beam.t_end;
             EXPECT_TRUE(same(lanes.end(pair), alone.end(pair))) << beam.a << ' ' << beam.b << ' ' << beam.t_end;
             EXPECT_TRUE(same(lanes.blend(pair).start, alone.blend(pair).start));
