@@ -20,8 +20,8 @@ struct GridHit {
     std::uint32_t id;
     lod::Blend<float> blend;  ///< the ray's blend in the grid's pair, if the grid blends
     lod::KeyTime time;        ///< the ray's time among the grid's keys, if the grid moves
-    /// The level whose mesh the ray nearly sees at the hit, if the grid is a lattice for rays of several levels and does not
-    /// blend. Other surfaces around the hit may blend.
+    /// If rays see levels and the grid does not blend: the level that the ray sees at the hit, or the nearer one of two, at
+    /// which other surfaces around the hit are. It is kAnyLevel on a mesh beside everything that is diced.
     int level;
 
     /// Returns where the ray sees a vertex of the lattice at one of its two levels, before they are blended.

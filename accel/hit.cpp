@@ -112,15 +112,15 @@ OCCAM_NEVER_INLINE void set_identity(const GridHit& met, const MicropolygonPlace
 
 // Returns the level at which secondary rays from a hit start: of the igrid's two levels, the one to which the surface is
 // nearer at the hit, so that the start moves by little. Where both are the same, it is the level that the ray sees there:
-// then the surfaces around the start, which may cross this one, are where they were for the ray. On a mesh it is the level
-// whose edges are nearer to the target edge length of the ray.
+// then the surfaces around the start, which may cross this one, are where they were for the ray. On a mesh beside everything
+// that is diced it is the level whose edges are nearer to the target edge length of the ray.
 int start_level_of(const Ray& ray, const GridHit& met, const FrameState& frame) noexcept
 {
     if (!frame.has_levels) return kAnyLevel;
     const PairRange pairs = met.grid->pairs;
     if (met.grid->blends()) return pairs.finest + (met.blend.weight(met.t) >= 0.5f);
     const PairRange range{pairs.finest, pairs.coarsest + 1};
-    return met.grid->is_lattice ? in_range(met.level, range) : level_at(ray, met, frame.levels, 4.0f / 3, range);
+    return met.level == kAnyLevel ? level_at(ray, met, frame.levels, 4.0f / 3, range) : in_range(met.level, range);
 }
 
 // Returns the place of a hit within its part, in quads. For a gap triangle, which has no width, it is the corner of the quad

@@ -38,8 +38,10 @@ RayCost Tracer::observe(const Ray& ray, SurfaceHit& hit, std::ostream* out)
         cost.seconds = seconds;
         GridHit met{query.t[0], query.grid[0], query.id[0], {}, {}, 0};
         if (met.grid && met.grid->blends()) met.blend = s.single_levels.blend(met.grid->pairs.finest);
-        else if (met.grid && met.grid->is_lattice && s.frame.has_levels)
-            met.level = static_cast<int>(s.single_levels.nearest_level(met.t));
+        else if (met.grid && s.frame.has_levels)
+            met.level = met.grid->is_lattice || s.single_levels.reaches(met.t) > 0
+                            ? static_cast<int>(s.single_levels.nearest_level(met.t))
+                            : kAnyLevel;
         if (met.grid && met.grid->segments > 0) met.time = lod::key_time(ray.time, met.grid->segments);
         SurfaceHit* const to = &hit;
         resolve({&ray, 1}, axes, {&met, 1}, s.lazy.phase_one(), &to);

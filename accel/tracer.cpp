@@ -30,31 +30,38 @@ public:
         }
     }
 
-    /// Returns the level whose mesh the ray in a lane sees at its hit, or the nearer one of two that it sees blended there.
-    int level_at(const Nearest& found, std::size_t lane)
+    /// Returns the level whose mesh the ray in a lane sees at its hit, or the nearer one of two that it sees blended there:
+    /// kAnyLevel if the ray sees no level there, as on a mesh that is beside everything that is diced.
+    int level_at(const Nearest& found, const IGrid& grid, std::size_t lane)
     {
-        if constexpr (std::is_same_v<F, float>) return level_at(found.t[lane], lane);
+        if constexpr (std::is_same_v<F, float>) return level_at(found.t[lane], grid, lane);
         else {
             // The levels of all lanes are found at once.
+            if (!grid.is_lattice && !is_set_reach_) levels_.reaches(F::load(found.t)).store(reach_);
+            is_set_reach_ = is_set_reach_ || !grid.is_lattice;
+            if (!grid.is_lattice && reach_[lane] == 0) return kAnyLevel;
             if (!are_levels_set_) levels_.nearest_level(F::load(found.t)).store(level_);
             are_levels_set_ = true;
             return static_cast<int>(level_[lane]);
         }
     }
     /// Returns the same for any t.
-    int level_at(float t, std::size_t lane)
+    int level_at(float t, const IGrid& grid, std::size_t lane)
     {
-        const F levels = levels_.nearest_level(F(t));
-        if constexpr (std::is_same_v<F, float>) return static_cast<int>(levels);
-        else return static_cast<int>(lane_of(levels, static_cast<int>(lane)));
+        const auto of_lane = [&](const F& x) {
+            if constexpr (std::is_same_v<F, float>) return x;
+            else return lane_of(x, static_cast<int>(lane));
+        };
+        if (!grid.is_lattice && of_lane(levels_.reaches(F(t))) == 0) return kAnyLevel;
+        return static_cast<int>(of_lane(levels_.nearest_level(F(t))));
     }
 
 private:
     lod::RayLevels<F>& levels_;
     int pair_ = lod::kNoPair;
-    bool are_levels_set_ = false;
+    bool are_levels_set_ = false, is_set_reach_ = false;
     float start_[sizeof(F) / sizeof(float)]{}, scale_[sizeof(F) / sizeof(float)]{};
-    float level_[sizeof(F) / sizeof(float)];
+    float level_[sizeof(F) / sizeof(float)], reach_[sizeof(F) / sizeof(float)];
 };
 
 }  // namespace
@@ -150,7 +157,7 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Expect&& expect, Fil
             m.time = {};
             if (!kWithBlend || !m.grid) return;
             if (m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
-            else if (frame.has_levels && m.grid->is_lattice) m.level = blends.level_at(found, lane);
+            else if (frame.has_levels) m.level = blends.level_at(found, *m.grid, lane);
             if (m.grid->segments > 0) m.time = lod::key_time(groups.sorted[first + i].time, m.grid->segments);
         };
         for (std::size_t i = 0; i < count; ++i) expect(groups.place_of[first + i]);
@@ -197,7 +204,7 @@ void Tracer::nearest(std::span<const Ray> rays, int most, std::span<SurfaceHit> 
                 if (!(hit.t > begin)) continue;
                 GridHit& m = met[at(i, known.count++)] = {hit.t, hit.grid, hit.id, {}, {}, 0};
                 if (m.grid->blends()) m.blend = blends(m.grid->pairs.finest, lane);
-                else if (s.frame.has_levels && m.grid->is_lattice) m.level = blends.level_at(m.t, lane);
+                else if (s.frame.has_levels) m.level = blends.level_at(m.t, *m.grid, lane);
                 if (m.grid->segments > 0) m.time = lod::key_time(s.groups.sorted[first + i].time, m.grid->segments);
                 begin = behind(hit.t);
             }

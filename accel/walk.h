@@ -85,8 +85,11 @@ private:
         F in = zero - ray_.shift - abs(ray_.shift) * F(4 * FLT_EPSILON), out = end;
         clip(ray_, state_.frame.diced_bounds, in, out);
         const Mask sees_levels = enters & (in <= out);
-        if (none(sees_levels)) return party_.find_levels(enters, ray_.shift + begin_, ray_.shift + end);
-        return party_.find_levels(sees_levels, ray_.shift + in, ray_.shift + out);
+        lod::RayLevels<F>* const levels = none(sees_levels)
+                                              ? party_.find_levels(enters, ray_.shift + begin_, ray_.shift + end)
+                                              : party_.find_levels(sees_levels, ray_.shift + in, ray_.shift + out);
+        if (levels) levels->note_reach(sees_levels, ray_.shift + in, ray_.shift + out);
+        return levels;
     }
 
     /// Returns the ends of the rays, widened, as t of the tree's frame.

@@ -142,22 +142,38 @@ public:
         return select(grows_, end(std::clamp(high, finest, coarsest)), end(std::clamp(low, finest, coarsest)));
     }
 
+    /// Notes between which t the rays see what is diced: the tables of other rays, and of other places, say nothing. Rays
+    /// that are not among `those` see it nowhere.
+    void note_reach(Mask those, F from, F to) noexcept
+    {
+        const F nowhere = kFar;
+        sees_from_ = select(those, from, nowhere);
+        sees_to_ = to;
+    }
+    /// Returns 1 for rays that see what is diced around t, and 0 for others.
+    F reaches(F t) const noexcept
+    {
+        const F zero = 0.0f, one = 1.0f;
+        return select((sees_from_ <= t) & (t <= sees_to_), one, zero);
+    }
+
     /// Returns the level whose mesh each ray sees at t, or the nearer one of the two that it sees blended there. It makes
     /// the table.
     F nearest_level(F t) noexcept
     {
         make();
+        int low = finest, high = coarsest;
+        narrow(lowest(t), highest(t), low, high);
         const F zero = 0.0f, one = 1.0f;
-        const auto is_behind = [&](F edge) {
-            return select(grows_, select(edge <= t, one, zero), select(t < edge, one, zero));
-        };
-        F level = static_cast<float>(finest), here = one;
-        for (int pair = finest; pair <= coarsest; ++pair) {
-            const F next = pair == coarsest ? zero : is_behind(edge_[pair + 1 - finest]);
-            level = level + next;
-            const Mask ends = here > next;
-            if (any(ends)) level = level + select(ends & (blend(pair).weight(t) >= F(0.5f)), one, zero);
-            here = next;
+        F level = static_cast<float>(low), reaches_pair = one;
+        for (int pair = low; pair <= high; ++pair) {
+            const F edge = edge_[pair + 1 - finest];
+            const F reaches_next = pair == high ? zero
+                                                : select(grows_, select(edge <= t, one, zero), select(t < edge, one, zero));
+            level = level + reaches_next;
+            const Mask sees_pair = reaches_pair > reaches_next;
+            if (any(sees_pair)) level = level + select(sees_pair & (blend(pair).weight(t) >= F(0.5f)), one, zero);
+            reaches_pair = reaches_next;
         }
         return level;
     }
@@ -306,6 +322,7 @@ private:
 
     const LevelSettings* settings_ = nullptr;
     F a_, b_, start_, focus_, t_end_;
+    F sees_from_, sees_to_;
     F least_ulps_, most_ulps_;       ///< bounds of ulps()
     F ulps_of_edge_, ulps_of_all_;   ///< what a transition has of them, by its edge length and by itself
     F finest_edge_, coarsest_edge_;  ///< edge lengths of the first and the last pair of each lane

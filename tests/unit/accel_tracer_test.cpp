@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <random>
+#include <set>
 
 #include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
@@ -65,6 +67,36 @@ TEST(Tracer, FindsTheSameBitsForARayAloneAndInAPacket)
         EXPECT_GT(bumps, 50);
         EXPECT_EQ(a.counters().packets > 0, kLanes > 1);
     }
+}
+
+/// Where a ray sees levels of a cage, a hit of a mesh has the level that the ray sees there. Some rays of a packet see the
+/// cage, and others pass it by.
+TEST(Tracer, FindsTheSameStartLevelsOnAMeshForARayAloneAndInAPacket)
+{
+    Stage stage;
+    place(stage.scene, stage.scene.add(torus()), {0, 0, 0});
+    Cage floor;
+    floor.scheme = Scheme::Triangles;
+    floor.positions = {{-4, -0.1f, -4}, {-4, -0.1f, 4}, {4, -0.1f, 4}, {4, -0.1f, -4}};
+    floor.face_vertices = {0, 1, 2, 0, 2, 3};
+    place(stage.scene, stage.scene.add(floor), {0, 0, 0});
+    const accel::Frame frame = stage.frame(-6);
+    auto rays = rays_towards({0.3, 3, 4}, stage.scene.bounds(), 20'000, 7);
+    std::mt19937_64 random(3);
+    for (accel::Ray& ray : rays) {
+        ray.footprint = {0x1p-8f, std::ldexp(1.0f, -static_cast<int>(random() % 8))};
+        if (random() & 1) ray.start_level = static_cast<std::int8_t>(-static_cast<int>(random() % 4));
+    }
+    std::vector<accel::SurfaceHit> together(rays.size()), alone(rays.size());
+    accel::Tracer a(frame, kPlenty), b(frame, kPlenty);
+    a.closest(rays, together);
+    std::set<int> levels;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        b.closest({&rays[i], 1}, {&alone[i], 1});
+        ASSERT_TRUE(same(together[i], alone[i])) << "ray " << i;
+        if (together[i].is_hit()) levels.insert(together[i].start_level);
+    }
+    EXPECT_GT(levels.size(), 4u);
 }
 
 // Adds a mesh of horizontal squares, one close above the other.
