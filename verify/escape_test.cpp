@@ -43,6 +43,22 @@ double longest_edge(const Subject::Pair& pair)
     return std::min(std::sqrt(double(squared)), double(lod::edge_length(pair.level)));
 }
 
+// Returns whether a point is inside of the fine mesh, and of all coarser ones that rays from there may see, with a little
+// room on all sides. pairs   of each level from the finest on reach   edges longer than twice that are not seen from there
+// turn    -1 if the meshes are mirrored, and so wind the other way around, else 1
+bool is_inside_at(const std::vector<Subject::Pair>& pairs, Vec3d p, double reach, int turn)
+{
+    for (const Subject::Pair& pair : pairs) {
+        if (pair.level > pairs.front().level + 1 && lod::edge_length(pair.level) > 2 * reach) break;
+        for (int k = 0; k < 7; ++k) {
+            Vec3d step(0);
+            if (k > 0) step[(k - 1) / 2] = (k & 1 ? 0.25 : -0.25) * reach;
+            if (!(turn * winding_number(pair.corners, p + step) > 0.9)) return false;
+        }
+    }
+    return true;
+}
+
 }  // namespace
 
 EscapeTest::EscapeTest(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures,
@@ -202,26 +218,26 @@ void EscapeTest::find_starts(Instant& instant)
     const double edge = longest_edge(pairs.front()), least_distance = 2 * edge;
     // Where no finer level will be looked at, more points are tried until one is inside.
     const std::size_t tries = pairs.front().corners.size() > kMostCorners ? 64 : 4;
+    const auto try_at = [&](Vec3d p) {
+        const double distance = pieces.distance(p, least_distance);
+        if (distance < least_distance || turn * pieces.crossings_along_x(p) < 1) return;
+        const double reach = std::min(distance, box.radius()) * 0.5;
+        if (is_inside_at(pairs, p, reach, turn)) starts.push_back({p, reach});
+    };
     for (std::size_t attempt = 0; attempt < (starts.empty() ? tries : 4) * most && starts.size() < most / 4; ++attempt) {
         // Half of the points lie anywhere, half near the surface.
         Vec3d p = box.lo + box.extent() * Vec3d(uniform(random_), uniform(random_), uniform(random_));
         if (attempt & 1)
             p = Vec3d(pick(pairs.front().corners, random_)) + any_direction(random_) * (edge * uniform(random_, 2, 6));
-        const double distance = pieces.distance(p, least_distance);
-        if (distance < least_distance || turn * pieces.crossings_along_x(p) < 1) continue;
-        const double reach = std::min(distance, box.radius()) * 0.5;
-        // The point must be inside the fine mesh and all coarser ones that rays from here may see, with a little
-        // room on all sides.
-        bool is_inside = true;
-        for (const Subject::Pair& pair : pairs) {
-            if (pair.level > finest_ + 1 && lod::edge_length(pair.level) > 2 * reach) break;
-            for (int k = 0; k < 7 && is_inside; ++k) {
-                Vec3d step(0);
-                if (k > 0) step[(k - 1) / 2] = (k & 1 ? 0.25 : -0.25) * reach;
-                is_inside = turn * winding_number(pair.corners, p + step) > 0.9;
-            }
-        }
-        if (is_inside) starts.push_back({p, reach});
+        try_at(p);
+    }
+    // Few such points are inside of wires and of long poles. So points are tried behind triangles, too.
+    const bool has_none = starts.empty();
+    for (std::size_t attempt = 0; has_none && attempt < kTriesBehind && starts.size() < most / 4; ++attempt) {
+        const Vec3f* const corner = &pairs.front().corners[random_() % triangles * 3];
+        const Vec3d normal = glm::cross(Vec3d(corner[1] - corner[0]), Vec3d(corner[2] - corner[0]));
+        const double length = glm::length(normal);
+        if (length > 0) try_at(Vec3d(corner[0]) - normal * (turn / length * edge * uniform(random_, 2, 6)));
     }
 }
 

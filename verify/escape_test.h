@@ -41,8 +41,8 @@ private:
     /// Sets the levels of the test and those of the engine, after finest_.
     void set_levels();
 
-    static constexpr int kLevels = 4, kFiner = 5, kInstants = 8;
-    static constexpr std::size_t kMostCorners = 2'000'000, kRaysOfAView = 512;
+    static constexpr int kLevels = 4, kFiner = 8, kInstants = 8;
+    static constexpr std::size_t kMostCorners = 2'000'000, kRaysOfAView = 512, kTriesBehind = 4096;
 
     struct Start {
         Vec3d at;

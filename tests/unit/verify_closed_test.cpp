@@ -151,6 +151,22 @@ TEST(Verify, StartsInsideOfACageThatBecomesItsMirrorImage)
     EXPECT_TRUE(found.holds());
 }
 
+// Of the box of such a cage little is farther from its faces than edges are long. So points are tried behind faces, and
+// finer meshes than elsewhere.
+TEST(Verify, StartsInsideOfALongThinCage)
+{
+    Scene scene;
+    Cage pole = prism(12);
+    pole.scheme = Scheme::Bilinear;
+    Mat4d place(1);
+    place[1][1] = 128;
+    scene.add_node(scene.root(), {.name = "pole", .matrix = place, .cages = {scene.add(pole)}});
+    const VerifiedCage found = verify(scene, {.rays = 1'024}).at(0);
+    EXPECT_EQ(found.not_testable, "");
+    EXPECT_GT(found.rays, 0u);
+    EXPECT_TRUE(found.holds());
+}
+
 // A frame makes such a cage when a ray comes near it, and leaves out one that was removed.
 TEST(Verify, TestsCagesThatAreMadeOnDemandAndLeavesOutRemovedOnes)
 {
