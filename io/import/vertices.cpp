@@ -142,9 +142,10 @@ void weld(Cage& cage)
             const Vec3f move = target.positions[v];
             return BitsKey<3>{bits_of(move.x), bits_of(move.y), bits_of(move.z)};
         });
-    const std::size_t vertices = cage.positions.size();
-    for (std::size_t first = 0; first + vertices <= cage.skin.weights.size(); first += vertices)
-        renumbering.part<8>(vertices, [&](std::size_t v) { return key_of(cage.skin, first + v); });
+    for (int set = 0; set < cage.skin.sets; ++set)
+        renumbering.part<8>(cage.positions.size(), [&](std::size_t v) {
+            return key_of(cage.skin, static_cast<std::size_t>(set) * cage.positions.size() + v);
+        });
     cage.normals.clear();
     for (UvSet& set : cage.uv_sets)
         if (set.indices.empty()) weld_values(set.values, set.indices, cage, renumbering);
