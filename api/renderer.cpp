@@ -228,11 +228,7 @@ struct Job::State {
         stats.image.spp = settings.spp;
         // Who stops a frame does not want to wait, and a part of a picture is compared with nothing.
         if (!control.is_cancelled()) stats.image.checksum = image.checksum();
-        stats.warnings = scene.warnings;
-        for (std::string& warning :
-             shade::input_warnings(scene, renderer->textures, settings.sky_strength, FrameScale(bounds)))
-            stats.warnings.push_back(std::move(warning));
-        for (std::string& warning : flaws_of_contents()) stats.warnings.push_back(std::move(warning));
+        stats.warnings.clear();
         if (!stats.complete && !control.is_cancelled())
             stats.warnings.push_back(stats.image.least_samples > 0
                                          ? "out of time: the picture has " + std::to_string(stats.image.least_samples) +
@@ -241,6 +237,12 @@ struct Job::State {
         constexpr int kEnoughOfEitherSign = 16;
         if (settings.filter == render::FilterKind::Mitchell && settings.jitter && settings.spp < kEnoughOfEitherSign)
             stats.warnings.push_back(few_samples_for_mitchell(kEnoughOfEitherSign));
+        const auto add = [&](const std::vector<std::string>& lines) {
+            stats.warnings.insert(stats.warnings.end(), lines.begin(), lines.end());
+        };
+        add(scene.warnings);
+        add(shade::input_warnings(scene, renderer->textures, settings.sky_strength, FrameScale(bounds)));
+        add(flaws_of_contents());
         stats.scene.warnings = stats.warnings.size();
     }
 

@@ -366,8 +366,7 @@ void print_warnings(const std::vector<std::string>& warnings, bool all)
     const std::size_t shown = all ? warnings.size() : std::min(warnings.size(), kShown);
     for (std::size_t i = 0; i < shown; ++i)
         std::fprintf(stderr, "occam: warning: %s\n", printable_line(warnings[i]).c_str());
-    if (shown < warnings.size())
-        std::fprintf(stderr, "occam: %zu more warnings; -v shows all, and so does occam info\n", warnings.size() - shown);
+    if (shown < warnings.size()) std::fprintf(stderr, "occam: %zu more warnings; -v shows all\n", warnings.size() - shown);
 }
 
 void add_seconds(FrameStats& stats, double load, double edit, double write)
@@ -388,9 +387,11 @@ void print_light(const FrameStats& stats)
 
 void print_figures(const FrameStats& stats)
 {
-    std::fprintf(stderr, "occam: %dx%d, %d samples a pixel, %.2f s, %.2f million rays a second, checksum %016llx\n",
-                 stats.image.width, stats.image.height, stats.image.spp, stats.seconds.total, stats.rays.per_second * 1e-6,
-                 static_cast<unsigned long long>(stats.image.checksum));
+    const bool may_be_fewer = stats.image.least_samples < stats.image.spp || stats.settings.error > 0;
+    const char* const at_most = may_be_fewer ? "at most " : "";
+    std::fprintf(stderr, "occam: %dx%d, %s%d samples a pixel, %.2f s, %.2f million rays a second, checksum %016llx\n",
+                 stats.image.width, stats.image.height, at_most, stats.image.spp, stats.seconds.total,
+                 stats.rays.per_second * 1e-6, static_cast<unsigned long long>(stats.image.checksum));
 }
 
 }  // namespace occam::command

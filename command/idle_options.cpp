@@ -123,4 +123,11 @@ void refuse_idle(const RenderArguments& a, const Given& given)
             throw std::invalid_argument(std::string(rule.option) + " would do nothing: " + rule.why);
 }
 
+void refuse_idle(const SceneArguments& a, const Given& given)
+{
+    RenderArguments like;
+    static_cast<SceneArguments&>(like) = a;
+    refuse_idle(like, given);
+}
+
 }  // namespace occam::command

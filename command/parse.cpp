@@ -190,7 +190,8 @@ void apply_quality(const CLI::App& app, Settings& s)
 }
 
 // Prints on standard error the first option that has no effect, and returns false if there is one.
-bool all_have_effect(const CLI::App& app, const RenderArguments& a)
+template <class A>
+bool all_have_effect(const CLI::App& app, const A& a)
 {
     std::set<std::string> given;
     for (const CLI::Option* option : app.get_options())
@@ -388,7 +389,7 @@ Arguments parse(int argc, char** argv)
         return finished(std::move(animate), animate_app.count("--shard") > 0);
     }
     if (bench_app.parsed()) return bench.arguments();
-    if (info_app.parsed()) return info;
+    if (info_app.parsed()) return all_have_effect(info_app, info) ? Arguments(info) : Finished{2};
     if (texture_app.parsed()) return texture;
     verify.command = words_of_scene({argv, static_cast<std::size_t>(argc)});
     if (verify_app.parsed()) return all_have_effect(verify_app, verify) ? Arguments(verify) : Finished{2};

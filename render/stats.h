@@ -67,10 +67,10 @@ struct FrameStats {
     std::vector<Worker> workers;
     struct Image {
         int width = 0, height = 0, spp = 0;
-        std::uint64_t checksum = 0;
-        std::uint64_t samples = 0;  ///< of an earlier run, too, if it goes on from one; fewer than spp a pixel where
-                                    ///< Settings::error ends some early
-        int least_samples = 0;      ///< least number of a pixel that is not done; spp if all are done
+        std::uint64_t checksum = 0;  ///< of the beauty layer; 0: the picture was cancelled
+        std::uint64_t samples = 0;   ///< of an earlier run, too, if it goes on from one; fewer than spp a pixel where
+                                     ///< Settings::error ends some early
+        int least_samples = 0;       ///< least number of a pixel that is not done; spp if all are done
         std::uint64_t samples_not_finite = 0;  ///< black in the picture, of an earlier run, too
     } image;
     Settings settings;

@@ -48,6 +48,8 @@ TEST_F(CommandOptions, OptionsThatWouldDoNothingAreRefused)
         {"render", "triangle.obj", "-o", "a.png", "--blades", "5"},
         {"render", "triangle.obj", "-o", "a.png", "--fps", "30"},
         {"render", "-o", "a.png", "--subdivide", "on"},
+        {"info", "--subdivide", "on"},
+        {"info", "--variant", "red"},
         {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--stats", "a.json"},
         {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--checkpoint", "on"},
         {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--deadline", "1"},

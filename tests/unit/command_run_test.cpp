@@ -123,6 +123,10 @@ TEST_F(Command, WarningsAreAlwaysPrintedTheFirstFiveAndACount)
         EXPECT_EQ(count(o.err, "more warnings"), 1) << o.err;
         EXPECT_EQ(count(o.err, "faces are rendered as they are"), 1) << o.err;
     }
+    std::vector<std::string> few = words;
+    few.insert(few.end(), {"--filter", "mitchell"});
+    EXPECT_EQ(count(run(few).err, "mitchell"), 1)
+        << "what is amiss with the picture comes before what is amiss with the file";
     const Outcome all = with("-v");
     EXPECT_GT(count(all.err, "occam: warning: "), 5) << all.err;
     EXPECT_EQ(count(all.err, "more warnings"), 0) << all.err;
