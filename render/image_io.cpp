@@ -313,6 +313,7 @@ void Image::write(const fs::path& file, const WriteOptions& options) const
     if (width < 1 || height < 1) refuse(file, "there is no picture to write");
     check_sides(file, width, height);
     if (layers().empty()) refuse(file, "there is no layer to write");
+    if (!has_layers(file) && !find("beauty")) refuse(file, "there is no layer beauty, and the format holds no other");
     if (options.exposure_ev && !std::isfinite(*options.exposure_ev)) refuse(file, "the exposure is not a finite number");
     if (std::none_of(std::begin(kTonemaps), std::end(kTonemaps),
                      [&](const TonemapRow& row) { return row.value == options.tonemap; }))

@@ -33,16 +33,16 @@ Trs decomposed(const Mat4d& parent_from_node) noexcept;
 struct Channel {
     enum class Path : unsigned char { Translation, Rotation, Scale, Weights };
     enum class Interpolation : unsigned char { Step, Linear, CubicSpline };
-    NodeId target;
+    NodeId target{};
     Path path = Path::Translation;
     Interpolation interpolation = Interpolation::Linear;
-    std::vector<float> times;   ///< seconds, strictly increasing; none: the channel changes nothing
-    std::vector<float> values;  ///< `width` floats a key; CubicSpline: in-tangent, value and out-tangent a key
+    std::vector<float> times{};   ///< seconds, strictly increasing; none: the channel changes nothing
+    std::vector<float> values{};  ///< `width` floats a key; CubicSpline: in-tangent, value and out-tangent a key
     int width = 3;
 };
 struct Clip {
     std::string name;
-    std::vector<Channel> channels;
+    std::vector<Channel> channels{};
 };
 
 /// The first and the last key of all channels; both are 0 for a clip without a key.
@@ -72,8 +72,8 @@ Vec4d slerp(Vec4d a, Vec4d b, double t) noexcept;
 
 struct Skin {
     std::string name;
-    std::vector<NodeId> joints;
-    std::vector<Mat4d> joint_from_mesh;  ///< inverse bind matrices; empty: identity
+    std::vector<NodeId> joints{};
+    std::vector<Mat4d> joint_from_mesh{};  ///< inverse bind matrices; empty: identity
 };
 
 }  // namespace occam

@@ -43,13 +43,13 @@ inline constexpr float kInfiniteSharpness = 10.0f;
 /// value.
 struct UvSet {
     std::vector<Vec2f> values;  ///< in glTF's axes: v runs downwards, and (0, 0) is the image's top left
-    std::vector<std::uint32_t> indices;
+    std::vector<std::uint32_t> indices{};
 };
 
 /// The offsets of one morph target; each array is empty or has one entry a vertex.
 struct MorphTarget {
     std::string name;
-    std::vector<Vec3f> positions, normals;
+    std::vector<Vec3f> positions{}, normals{};
 };
 
 /// Four joints and four weights a vertex (glTF JOINTS_n and WEIGHTS_n; there are `sets` of them, one after the other).
@@ -80,25 +80,25 @@ struct Cage {
     BoundaryRule boundary = BoundaryRule::EdgeAndCorner;
     FaceVaryingRule face_varying = FaceVaryingRule::CornersPlus1;
 
-    std::vector<Vec3f> positions;
-    std::vector<std::uint32_t> face_sizes;     ///< corners of each face, 3 or more; empty for Scheme::Triangles
-    std::vector<std::uint32_t> face_vertices;  ///< counter-clockwise seen from outside, face after face
-    std::vector<Crease> creases;
-    std::vector<Corner> corners;
-    std::vector<std::uint32_t> holes;  ///< faces that shape their neighbours but are not rendered
+    std::vector<Vec3f> positions{};
+    std::vector<std::uint32_t> face_sizes{};     ///< corners of each face, 3 or more; empty for Scheme::Triangles
+    std::vector<std::uint32_t> face_vertices{};  ///< counter-clockwise seen from outside, face after face
+    std::vector<Crease> creases{};
+    std::vector<Corner> corners{};
+    std::vector<std::uint32_t> holes{};  ///< faces that shape their neighbours but are not rendered
 
-    std::vector<Vec3f> normals;  ///< one unit vector a vertex, for Scheme::Triangles only; empty: faceted
-    std::vector<UvSet> uv_sets;
-    std::vector<Vec4f> colors;                 ///< linear RGBA; empty: white
-    std::vector<std::uint32_t> color_indices;  ///< one entry a face corner; empty: one colour a vertex
-    std::vector<MaterialId> materials;         ///< slots; empty: the default material
-    std::vector<std::uint16_t> face_slots;     ///< index into materials for each face; empty: 0
+    std::vector<Vec3f> normals{};  ///< one unit vector a vertex, for Scheme::Triangles only; empty: faceted
+    std::vector<UvSet> uv_sets{};
+    std::vector<Vec4f> colors{};                 ///< linear RGBA; empty: white
+    std::vector<std::uint32_t> color_indices{};  ///< one entry a face corner; empty: one colour a vertex
+    std::vector<MaterialId> materials{};         ///< slots; empty: the default material
+    std::vector<std::uint16_t> face_slots{};     ///< index into materials for each face; empty: 0
 
-    std::optional<Displacement> displacement;
+    std::optional<Displacement> displacement{};
 
-    std::vector<MorphTarget> morph_targets;
-    std::vector<float> morph_weights;  ///< at rest
-    SkinBinding skin;
+    std::vector<MorphTarget> morph_targets{};
+    std::vector<float> morph_weights{};  ///< at rest
+    SkinBinding skin{};
 
     /// Returns whether its points move: it must be a smooth or bilinear surface with the coordinates that the displacement
     /// needs.
@@ -122,14 +122,14 @@ struct Cage {
 /// A cage that is described by its bounds and is made when a ray first enters them.
 struct OnDemandCage {
     std::string name;
-    Box3d bounds;  ///< object axes; not empty; holds every vertex of the cage that `make` returns
+    Box3d bounds{};  ///< object axes; not empty; holds every vertex of the cage that `make` returns
     /// Makes the cage. It must be a pure function: any thread calls it, perhaps more than once, and it must return the same
     /// cage each time. That cage has no skin, no morph targets and no displacement, and its materials are those below. If
     /// the function throws, or the cage leaves the bounds, the frame ends with that error. What sanitize() repairs is listed
     /// in FrameStats::warnings, of each frame of a renderer that has the cage made by then, and is an Error with
     /// Settings::strict; a Query and verify() do not say it.
-    std::function<Cage()> make;
-    std::vector<MaterialId> materials;  ///< slots; empty: the default material
+    std::function<Cage()> make{};
+    std::vector<MaterialId> materials{};  ///< slots; empty: the default material
 };
 
 /// The largest coordinate that may be used: areas of boxes, times their number, stay below the largest float. What is

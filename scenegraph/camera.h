@@ -29,7 +29,7 @@ inline constexpr std::size_t kMaxCameraKeys = 1025;
 /// A camera as a frame needs it, in world axes and world lengths.
 struct Camera {
     Mat4d world_from_camera{1};  ///< rigid; its columns are right, up, back and eye; of mid-shutter if the camera moves
-    CameraLens lens;
+    CameraLens lens{};
     /// world_from_camera at evenly spaced moments, from when the shutter opens to when it closes: at least two, or none if
     /// the camera stands still. Between two of them the elements are interpolated, and the axes brought back to unit length.
     std::vector<Mat4d> keys{};

@@ -87,11 +87,12 @@ private:
     void choose_variant()
     {
         const tinygltf::Value& variants = member(extension(model_.extensions, "KHR_materials_variants"), "variants");
-        for (std::size_t v = 0; variants.IsArray() && v < variants.ArrayLen(); ++v) {
+        for (std::size_t v = 0; variants.IsArray() && v < variants.ArrayLen(); ++v)
             scene_.variants.push_back(text(variants.Get(static_cast<int>(v)), "name"));
-            if (!options_.variant.empty() && scene_.variants.back() == options_.variant)
-                meshes_.set_variant(static_cast<int>(v));
-        }
+        // Of several with one name the first counts, as of clips.
+        const auto chosen = std::find(scene_.variants.begin(), scene_.variants.end(), options_.variant);
+        if (!options_.variant.empty() && chosen != scene_.variants.end())
+            meshes_.set_variant(static_cast<int>(chosen - scene_.variants.begin()));
     }
 
     // A joint that the skin lacks stays where the mesh is.
