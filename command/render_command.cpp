@@ -1,10 +1,13 @@
 #include <algorithm>
+#include <cstdio>
+#include <exception>
 #include <fstream>
 #include <iostream>
 #include <iterator>
 #include <string_view>
 
 #include "arguments.h"
+#include "base/printable.h"
 #include "base/stopwatch.h"
 #include "framing.h"
 #include "interrupt.h"
@@ -91,12 +94,13 @@ private:
         return true;
     }
     // Keeps what a frame had made before a texture failed it. That is the error to tell, whatever happens here.
-    void keep_of_failed(const std::string& note, const Job& job) const noexcept
-    {
-        try {
-            keep(note, job.checkpoint());
-        } catch (...) {
-        }
+    void keep_of_failed(const std::string& note, const Job& job) const
+    try {
+        if (keep(note, job.checkpoint()))
+            std::fprintf(stderr, "occam: %s holds what was made until then (--resume)\n",
+                         printable_line(file_.string()).c_str());
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "occam: warning: %s\n", printable_line(error.what()).c_str());
     }
 
     bool is_there() const

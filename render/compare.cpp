@@ -28,8 +28,11 @@ struct Channels {
 Channels channels_of(const Image& image, std::string_view name)
 {
     const Layer* const layer = image.find(name);
-    constexpr std::size_t kColors = 3;
-    if (layer) return {layer, 0, name == "beauty" ? std::min(kColors, layer->channel_count()) : layer->channel_count()};
+    if (layer) {
+        const auto alpha = std::find(layer->channels.begin(), layer->channels.end(), "A");
+        const std::size_t colors = std::min<std::size_t>(3, static_cast<std::size_t>(alpha - layer->channels.begin()));
+        return {layer, 0, name == "beauty" ? colors : layer->channel_count()};
+    }
     const Layer* const beauty = name == kAlphaOfBeauty ? image.find("beauty") : nullptr;
     if (!beauty) return {};
     const auto alpha = std::find(beauty->channels.begin(), beauty->channels.end(), "A");

@@ -107,6 +107,7 @@ public:
             const bool is_before_end = c.distance < ray.t_far || std::isinf(ray.t_far);  // a sun is at infinity
             if (c.density > 0 && is_before_end) use(light, c, expected());
         };
+        // Each of them is sampled: only where there are many suns are some left out, and a sun with a disc stands alone.
         for (const std::uint32_t i : placed_->with_extent) cross(i, [] { return 1.0f; });
         tree().for_crossed(ray.origin, ray.direction,
                            [&](std::uint32_t i) { cross(i, [&] { return tree().expected(i, at.receiver, at.draws); }); });

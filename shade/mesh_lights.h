@@ -49,8 +49,8 @@ public:
     /// Returns the tree of emissive triangles, which is empty if none is sampled.
     const LightTree& tree() const noexcept { return tree_; }
 
-    /// Draws a point on the surfaces for a receiver. The distance of the sample ends before
-    /// the surface by what rounding may move that.
+    /// Draws a point on the surfaces for a receiver. The distance of the sample ends before the surface by what rounding may
+    /// move that.
     LightSample sample(Vec3d point, const Receiver& receiver, LightNumbers numbers) const noexcept;
 
     /// Describes where a ray hits an emissive surface.

@@ -44,7 +44,12 @@ double longest_edge(const Subject::Pair& pair)
 }
 
 // Returns whether a point is inside of the fine mesh, and of all coarser ones that rays from there may see, with a little
-// room on all sides. pairs   of each level from the finest on reach   edges longer than twice that are not seen from there
+// room on all sides.
+//
+// pairs   of each level from the finest on
+//
+// reach   edges longer than twice that are not seen from there
+//
 // turn    -1 if the meshes are mirrored, and so wind the other way around, else 1
 bool is_inside_at(const std::vector<Subject::Pair>& pairs, Vec3d p, double reach, int turn)
 {
@@ -232,8 +237,10 @@ void EscapeTest::find_starts(Instant& instant)
         try_at(p);
     }
     // Few such points are inside of wires and of long poles. So points are tried behind triangles, too.
-    const bool has_none = starts.empty();
-    for (std::size_t attempt = 0; has_none && attempt < kTriesBehind && starts.size() < most / 4; ++attempt) {
+    // Each takes time in proportion to the mesh.
+    const double tries_behind = starts.empty() ? std::clamp<double>(4e8 / double(triangles), 256, kTriesBehind) : 0;
+    const std::size_t behind = static_cast<std::size_t>(tries_behind) / instants_.size();
+    for (std::size_t attempt = 0; attempt < behind && starts.size() < most / 4; ++attempt) {
         const Vec3f* const corner = &pairs.front().corners[random_() % triangles * 3];
         const Vec3d normal = glm::cross(Vec3d(corner[1] - corner[0]), Vec3d(corner[2] - corner[0]));
         const double length = glm::length(normal);

@@ -188,7 +188,7 @@ void add_clips(const tinygltf::Model& model, AccessorReader& accessors, const st
                 continue;
             }
             const std::size_t bytes = (channel->times.size() + channel->values.size()) * sizeof(float);
-            accessors.copies().charge(shown_by->second.size(), bytes, where);
+            accessors.copies().charge(shown_by->second.size() - 1, bytes, where);
             for (const NodeId instance : shown_by->second) {
                 clip.channels.push_back(*channel);
                 clip.channels.back().target = instance;

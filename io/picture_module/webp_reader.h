@@ -14,9 +14,10 @@
 
 namespace occam {
 
-/// Opens a WebP file in memory, of which an animation counts as its first frame on a canvas that is clear. The picture is
+/// Opens a WebP file in memory, of which an animation counts as its first frame on an empty canvas. The picture is
 /// decoded when its first rows are read, so the caller has to find its size acceptable first. Returns null and says why in
-/// `error` if the parts of the file do not fit together. Throws std::bad_alloc.
+/// `error` if the parts of the file do not fit together, or if there is no memory for a list of them, since the library does
+/// not tell these apart. Throws std::bad_alloc if there is none for the pixels.
 /// bytes   of the file, borrowed as long as the reader lives
 std::unique_ptr<PictureReader> open_webp(std::span<const std::byte> bytes, std::string& error);
 

@@ -151,7 +151,8 @@ void TextureSource::State::read_rows_as(int y_begin, int y_end, std::vector<Vec4
     const bool divides = role == TextureRole::Color && image.has_multiplied_colors && places.alpha >= 0;
     const auto color_at = [&](const T* v, int place) {
         if (place < 0) return 0.0f;
-        return divides ? color_without_alpha(data(v[place]), data(v[places.alpha]), is_srgb) : color(v[place]);
+        return divides && place != places.alpha ? color_without_alpha(data(v[place]), data(v[places.alpha]), is_srgb)
+                                                : color(v[place]);
     };
     const auto [r, g, b] = places.color;
     texels.resize(std::size_t(y_end - y_begin) * std::size_t(spec.width));

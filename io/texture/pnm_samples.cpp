@@ -79,16 +79,24 @@ std::vector<std::byte> with_many_values(std::span<const std::byte> file, const P
         out.push_back(static_cast<std::byte>(word & 0xff));
     };
     std::size_t at = std::min(head.samples_at, file.size());
+    const std::uint64_t pixels = std::uint64_t(head.width) * head.height;
+    std::size_t left = file.size() - at;  // of samples; behind them a file may hold more
+    const auto channels = static_cast<std::size_t>(head.channels);
+    if (pixels <= left / channels) left = static_cast<std::size_t>(pixels) * channels;
     if (!head.is_text) {
-        out.reserve(out.size() + 2 * (file.size() - at));
-        for (; at < file.size(); ++at) put(std::to_integer<std::uint32_t>(file[at]));
+        out.reserve(out.size() + 2 * left);
+        for (; left > 0; --left) put(std::to_integer<std::uint32_t>(file[at++]));
         return out;
     }
     Numbers numbers([&]() -> std::optional<unsigned char> {
         if (at >= file.size()) return std::nullopt;
         return std::to_integer<unsigned char>(file[at++]);
     });
-    while (const auto sample = numbers.take()) put(*sample);
+    for (; left > 0; --left) {
+        const auto sample = numbers.take();
+        if (!sample) break;
+        put(*sample);
+    }
     return out;
 }
 

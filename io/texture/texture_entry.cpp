@@ -71,7 +71,9 @@ void TextureEntry::check_tiles() noexcept
 void TextureEntry::fail(const std::exception& error) noexcept
 {
     const std::lock_guard lock(decoding_);
-    if (!is_broken_.exchange(true)) add_error(error);
+    if (is_broken_) return;
+    add_error(error);
+    is_broken_ = true;  // from here on others see grey, and the failure is known by then
 }
 
 const MipImage& TextureEntry::image(const MipImage& unreadable)

@@ -48,6 +48,15 @@ TEST_F(CompareCommand, JudgesTheLayerAndTheAlphaOfThePicture)
     EXPECT_NE(clear.err.find("(beauty.A)"), std::string::npos) << clear.err;
     EXPECT_EQ(run({"compare", "a.exr", "b.exr", "--max-error", "0", "--layer", "foo"}).exit_code, kDone);
     EXPECT_EQ(run({"compare", "a.exr", "b.exr", "--max-error", "0.5", "--layer", "beauty.A"}).exit_code, kDoesNotHold);
+    // The alpha of a grey picture is no colour of it, either.
+    for (const auto& [name, alpha] : {std::pair("grey0.exr", 0.0f), {"grey1.exr", 1.0f}}) {
+        render::Image grey(2, 2);
+        grey.add_layer("beauty", {"Y", "A"}).pixels = {0, alpha, 0, alpha, 0, alpha, 0, alpha};
+        grey.write(folder / name);
+    }
+    const Outcome of_grey = run({"compare", "grey0.exr", "grey1.exr"});
+    EXPECT_NE(of_grey.out.find("beauty: mse 0, "), std::string::npos) << of_grey.out;
+    EXPECT_NE(of_grey.out.find("beauty.A: mse 1, "), std::string::npos) << of_grey.out;
 
     const Outcome other = run({"compare", "a.exr", "c.exr", "--max-error", "0"});
     EXPECT_EQ(other.exit_code, kDone) << other.err;

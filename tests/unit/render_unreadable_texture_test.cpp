@@ -122,7 +122,7 @@ TEST_F(Unreadable, ATextureLeavesTheSamplesThatWereMadeBefore)
 // A frame does not end because of a texture that its scene no longer has.
 TEST_F(Unreadable, ATextureThatIsRemovedIsForgotten)
 {
-    Scene broken = scene(0.1), other = scene(0.1);
+    Scene broken = scene(0.1);
     const Camera camera = Camera::framing(broken.bounds());
     const Settings settings{.width = 16, .height = 16, .spp = 4};
     Renderer renderer({.threads = 1});
@@ -150,6 +150,7 @@ TEST_F(Unreadable, ATextureLeavesACheckpointBesideNoPicture)
     const test::Outcome failed = with({"--checkpoint", "on"});
     EXPECT_EQ(failed.exit_code, test::kBadInput);
     EXPECT_NE(failed.err.find("noise.png"), std::string::npos) << failed.err;
+    EXPECT_NE(failed.err.find("a.exr.checkpoint holds what was made until then"), std::string::npos) << failed.err;
     EXPECT_FALSE(fs::exists(folder / "a.exr"));
     ASSERT_TRUE(fs::exists(folder / "a.exr.checkpoint"));
     flip_a_byte_of(png());

@@ -160,7 +160,6 @@ TEST(LightTree, LightsNearbyAreDrawnForSure)
     }
 }
 
-// The variance that the choice adds to the sum of all light, if lights were drawn independently of each other.
 // The strong one may be hidden, so the others need draws of their own.
 TEST(LightTree, OthersAreDrawnBesideOneThatOutshinesThem)
 {
@@ -184,6 +183,7 @@ TEST(LightTree, OthersAreDrawnBesideOneThatOutshinesThem)
     }
 }
 
+// The variance that the choice adds to the sum of all light, if lights were drawn independently of each other.
 TEST(LightTree, TheChoiceOfLightsAddsLittleNoise)
 {
     const std::vector<WorldLight> lights = field_of_lights();
