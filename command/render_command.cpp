@@ -95,12 +95,20 @@ private:
     }
     // Keeps what a frame had made before a texture failed it. That is the error to tell, whatever happens here.
     void keep_of_failed(const std::string& note, const Job& job) const
-    try {
-        if (keep(note, job.checkpoint()))
-            std::fprintf(stderr, "occam: %s holds what was made until then (--resume)\n",
-                         printable_line(file_.string()).c_str());
-    } catch (const std::exception& error) {
-        std::fprintf(stderr, "occam: warning: %s\n", printable_line(error.what()).c_str());
+    {
+        std::string checkpoint;
+        try {
+            checkpoint = job.checkpoint();
+        } catch (const Error&) {
+            return;  // the frame had made nothing, and this is its error again
+        }
+        try {
+            if (keep(note, checkpoint))
+                std::fprintf(stderr, "occam: %s holds what was made until then (--resume)\n",
+                             printable_line(file_.string()).c_str());
+        } catch (const std::exception& error) {
+            std::fprintf(stderr, "occam: warning: %s\n", printable_line(error.what()).c_str());
+        }
     }
 
     bool is_there() const
