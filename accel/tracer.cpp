@@ -37,8 +37,8 @@ public:
         if constexpr (std::is_same_v<F, float>) return level_at(found.t[lane], grid, lane);
         else {
             // The levels of all lanes are found at once.
-            if (!grid.is_lattice && !is_set_reach_) levels_.reaches(F::load(found.t)).store(reach_);
-            is_set_reach_ = is_set_reach_ || !grid.is_lattice;
+            if (!grid.is_lattice && !is_reach_set_) levels_.reaches(F::load(found.t)).store(reach_);
+            is_reach_set_ = is_reach_set_ || !grid.is_lattice;
             if (!grid.is_lattice && reach_[lane] == 0) return kAnyLevel;
             if (!are_levels_set_) levels_.nearest_level(F::load(found.t)).store(level_);
             are_levels_set_ = true;
@@ -59,7 +59,7 @@ public:
 private:
     lod::RayLevels<F>& levels_;
     int pair_ = lod::kNoPair;
-    bool are_levels_set_ = false, is_set_reach_ = false;
+    bool are_levels_set_ = false, is_reach_set_ = false;
     float start_[sizeof(F) / sizeof(float)]{}, scale_[sizeof(F) / sizeof(float)]{};
     float level_[sizeof(F) / sizeof(float)], reach_[sizeof(F) / sizeof(float)];
 };

@@ -6,6 +6,7 @@
 
 #include "io/import/bits_key.h"
 #include "io/import/key_numbers.h"
+#include "io/import/vertices.h"
 #include "scenegraph/contents.h"
 
 namespace occam::import {
@@ -36,19 +37,6 @@ double boxes_on_a_ray(const Cage& cage)
     return sum / Contents::size_of(whole);
 }
 
-// Returns a number for the place of each vertex. Vertices of a mesh that is deformed have places of their own.
-std::vector<std::uint32_t> places_of(const Cage& cage)
-{
-    std::vector<std::uint32_t> place(cage.positions.size());
-    const bool is_deformed = cage.skin.sets > 0 || !cage.morph_targets.empty();
-    KeyNumbers<3> places;
-    for (std::uint32_t v = 0; v < place.size(); ++v) {
-        const Vec3f p = cage.positions[v];
-        place[v] = is_deformed ? v : places.number_of({bits_of(p.x), bits_of(p.y), bits_of(p.z)});
-    }
-    return place;
-}
-
 template <class T>
 void keep(std::vector<T>& values, const std::vector<bool>& is_kept, std::size_t of_a_triangle)
 {
@@ -65,7 +53,7 @@ void drop_same_triangles(Cage& cage, Report& report)
 {
     const std::size_t triangles = cage.face_vertices.size() / 3;
     if (triangles < kFewTriangles || !has_all_corners(cage) || !(boxes_on_a_ray(cage) > kFewBoxes)) return;
-    const std::vector<std::uint32_t> place = places_of(cage);
+    const std::vector<std::uint32_t> place = places_of(cage).of;
     KeyNumbers<3> known;
     std::vector<bool> is_kept(triangles);
     std::size_t kept = 0;

@@ -27,25 +27,25 @@ BitsKey<8> key_of(const SkinBinding& skin, std::size_t at)
     return key;
 }
 
-// Moves vertex v to new_of[v]; of several vertices that go to one place the first stays.
-struct Renumbering {
-    std::vector<std::uint32_t> new_of;
-    std::size_t count = 0;
-
-    // Parts the vertices that go to one place by their keys of N words.
-    template <std::size_t N, class KeyOf>
-    void part(std::size_t keys, KeyOf&& key_of_vertex)
-    {
-        if (keys != new_of.size()) return;
-        KeyNumbers<N + 1> known;
-        for (std::size_t v = 0; v < keys; ++v) {
-            const BitsKey<N> own = key_of_vertex(v);
-            BitsKey<N + 1> key{new_of[v]};
-            std::copy(own.begin(), own.end(), key.begin() + 1);
-            new_of[v] = known.number_of(key);
-        }
-        count = known.size();
+// Gives vertices of one place but of different keys, which have N words, places of their own.
+template <std::size_t N, class KeyOf>
+void part(VertexPlaces& places, KeyOf&& key_of_vertex)
+{
+    KeyNumbers<N + 1> known;
+    for (std::size_t v = 0; v < places.of.size(); ++v) {
+        const BitsKey<N> own = key_of_vertex(v);
+        BitsKey<N + 1> key{places.of[v]};
+        std::copy(own.begin(), own.end(), key.begin() + 1);
+        places.of[v] = known.number_of(key);
     }
+    places.count = known.size();
+}
+
+// Moves vertices to their places; of several vertices that go to one place the first stays.
+struct Renumbering {
+    const std::vector<std::uint32_t> new_of;
+    const std::size_t count;
+
     template <class T>
     void apply(std::vector<T>& values) const
     {
@@ -129,23 +129,29 @@ std::optional<std::vector<std::uint32_t>> choose_used_vertices(std::vector<std::
     return used;
 }
 
+VertexPlaces places_of(const Cage& cage)
+{
+    VertexPlaces places;
+    KeyNumbers<3> at_rest;
+    const std::size_t vertices = cage.positions.size();
+    places.of.reserve(vertices);
+    for (const Vec3f p : cage.positions) places.of.push_back(at_rest.number_of({bits_of(p.x), bits_of(p.y), bits_of(p.z)}));
+    places.count = at_rest.size();
+    for (const MorphTarget& target : cage.morph_targets)
+        if (target.positions.size() == vertices)
+            part<3>(places, [&](std::size_t v) {
+                const Vec3f move = target.positions[v];
+                return BitsKey<3>{bits_of(move.x), bits_of(move.y), bits_of(move.z)};
+            });
+    for (int set = 0; set < cage.skin.sets; ++set)
+        part<8>(places, [&](std::size_t v) { return key_of(cage.skin, static_cast<std::size_t>(set) * vertices + v); });
+    return places;
+}
+
 void weld(Cage& cage)
 {
-    Renumbering renumbering;
-    KeyNumbers<3> places;
-    renumbering.new_of.reserve(cage.positions.size());
-    for (Vec3f p : cage.positions)
-        renumbering.new_of.push_back(places.number_of({bits_of(p.x), bits_of(p.y), bits_of(p.z)}));
-    renumbering.count = places.size();
-    for (const MorphTarget& target : cage.morph_targets)
-        renumbering.part<3>(target.positions.size(), [&](std::size_t v) {
-            const Vec3f move = target.positions[v];
-            return BitsKey<3>{bits_of(move.x), bits_of(move.y), bits_of(move.z)};
-        });
-    for (int set = 0; set < cage.skin.sets; ++set)
-        renumbering.part<8>(cage.positions.size(), [&](std::size_t v) {
-            return key_of(cage.skin, static_cast<std::size_t>(set) * cage.positions.size() + v);
-        });
+    VertexPlaces places = places_of(cage);
+    const Renumbering renumbering{std::move(places.of), places.count};
     cage.normals.clear();
     for (UvSet& set : cage.uv_sets)
         if (set.indices.empty()) weld_values(set.values, set.indices, cage, renumbering);

@@ -14,6 +14,16 @@ namespace occam::import {
 /// alone, up to a logarithm.
 std::optional<std::vector<std::uint32_t>> choose_used_vertices(std::vector<std::uint32_t>& corners, std::size_t vertices);
 
+/// The place of each vertex, by number.
+struct VertexPlaces {
+    std::vector<std::uint32_t> of;
+    std::size_t count = 0;
+};
+
+/// Returns the places of the vertices of a cage. Vertices of one place are so in every pose: they have equal positions, and
+/// morph targets and joints move them alike.
+VertexPlaces places_of(const Cage& cage);
+
 /// Joins vertices of equal position that morph targets and skins move alike, so that lips which are closed at rest can open.
 /// Texture coordinates and colours become face-varying, and each different value at a vertex is kept once. Normals are
 /// dropped.
