@@ -371,7 +371,7 @@ private:
         if (!is_file) throw Error(report_.name(), "the environment is missing: " + extras->image, "scene");
         report_.add_file(*path);
         Texture texture;
-        texture.name = report_.file().filename().string() + ": " + extras->image, texture.path = *path;
+        texture.name = report_.name() + ": " + extras->image, texture.path = *path;
         scene_.environment.image = scene_.add(std::move(texture));
     }
 

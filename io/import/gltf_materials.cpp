@@ -180,7 +180,7 @@ std::optional<Texture> MaterialImporter::describe(int index, TextureRole role)
     const tinygltf::Image* i = find(model_.images, index);
     Texture t;
     const std::string name = i->name.empty() ? i->uri.substr(0, kMaxShownUri) : i->name;
-    t.name = report_.file().filename().string() + ": " + named_image(index, name);
+    t.name = report_.name() + ": " + named_image(index, name);
     t.role = role;
     const std::string shown = i->uri.substr(0, kMaxShownUri);
     if (const bool is_data_uri = i->uri.starts_with("data:"); is_data_uri || i->bufferView >= 0 || !i->image.empty()) {

@@ -162,7 +162,7 @@ private:
         const auto [known, is_new] = textures_.try_emplace({path->string(), role});
         if (is_new) {
             Texture t;
-            t.name = report_.file().filename().string() + ": " + name, t.role = role, t.path = *path;
+            t.name = report_.name() + ": " + name, t.role = role, t.path = *path;
             known->second = scene_.add(std::move(t));
         }
         use.texture = known->second;

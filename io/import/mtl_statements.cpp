@@ -20,10 +20,11 @@ struct NumberOption {
     std::string_view name;
     int numbers;
     std::array<std::string_view, 3> defaults;
+    bool is_read = true;  // false: other values than the defaults would change the picture, but are left out
 };
 constexpr NumberOption kNumberOptions[] = {
-    {"-o", 3, {"0", "0", "0"}}, {"-s", 3, {"1", "1", "1"}}, {"-t", 3, {"0", "0", "0"}},
-    {"-mm", 2, {"0", "1", ""}}, {"-bm", 1, {"1", "", ""}},  {"-boost", 1, {"1", "", ""}},
+    {"-o", 3, {"0", "0", "0"}},        {"-s", 3, {"1", "1", "1"}}, {"-t", 3, {"0", "0", "0"}, false},
+    {"-mm", 2, {"0", "1", ""}, false}, {"-bm", 1, {"1", "", ""}},  {"-boost", 1, {"1", "", ""}},
 };
 
 // Returns whether the word is a number, also one that is not finite or that no double holds.
@@ -139,7 +140,7 @@ private:
     void take_numbers(const NumberOption& option, Words& words)
     {
         out_.append(" ").append(option.name);
-        bool is_number = true, is_finite = true;
+        bool is_number = true, is_finite = true, is_default = true;
         for (std::size_t i = 0; i < static_cast<std::size_t>(option.numbers); ++i) {
             Words after = words;
             const std::string_view value = after.next();
@@ -147,8 +148,11 @@ private:
             if (is_number) words = after;
             const bool is_taken = is_number && finite_number(value);
             is_finite = is_finite && is_taken == is_number;
+            is_default &= !is_taken || finite_number(value) == finite_number(option.defaults[i]);
             out_.append(" ").append(is_taken ? value : option.defaults[i]);
         }
+        if (!option.is_read && !is_default)
+            warn("the options -mm and -t of images, which change their colours and their places, are left out");
         if (!is_finite) warn("a value of an image's option is not a finite number: the default is used");
     }
 

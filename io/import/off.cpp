@@ -124,7 +124,7 @@ private:
     float number()
     {
         const auto n = cursor_.number();
-        if (!n) refuse("a number is missing");
+        if (!n) refuse(cursor_.why_no_number());
         return static_cast<float>(*n);
     }
     Vec3f vector()

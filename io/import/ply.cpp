@@ -230,7 +230,7 @@ private:
     {
         if (!is_binary_) {
             const auto value = cursor_.number();
-            if (!value) refuse("a number is missing", place());
+            if (!value) refuse(cursor_.why_no_number(), place());
             return *value;
         }
         const std::size_t size = bytes_of(type);

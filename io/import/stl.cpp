@@ -69,13 +69,27 @@ std::string keyword(TextCursor& cursor)
     return word;
 }
 
+// Skips the name of a solid, which is the rest of a line, unless its first facet, or that of the next solid, stands there.
+void skip_name(TextCursor& cursor)
+{
+    TextCursor ahead = cursor;
+    for (TextCursor before = ahead; !ahead.is_at_end() && ahead.line() == cursor.line(); before = ahead)
+        if (keyword(ahead) == "facet") {
+            TextCursor facet = ahead;
+            if (keyword(facet) != "normal" || !facet.number()) continue;
+            cursor = before;
+            return;
+        }
+    cursor.skip_line();
+}
+
 Polygons read_ascii(std::string_view text, Report& report)
 {
     constexpr int kClosed = 3;
     Polygons polygons;
     TextCursor cursor(text);
     if (keyword(cursor) != "solid") throw Error(report.name(), "neither an ascii nor a binary STL, or cut off");
-    cursor.skip_line();
+    skip_name(cursor);
     Vec3f corners[3];
     int corner = kClosed;
     bool has_end = false;
@@ -91,10 +105,12 @@ Polygons read_ascii(std::string_view text, Report& report)
         }
         if (is_end || word == "solid" || word == "facet") has_end = is_end;
         if (word == "facet" && before != "end") corner = 0;
-        if (is_end || word == "solid") cursor.skip_line();
+        if (is_end || word == "solid") skip_name(cursor);
         if (word != "vertex") continue;
         for (int k = 0; k < 3; ++k) {
             const auto x = cursor.number();
+            if (!x && corner != kClosed && !cursor.is_at_end())
+                throw Error(report.name(), cursor.why_no_number(), "line " + std::to_string(cursor.line()));
             if (!x || corner == kClosed) refuse();
             corners[corner][k] = static_cast<float>(*x);
         }

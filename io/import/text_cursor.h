@@ -37,6 +37,15 @@ public:
         at_ = static_cast<std::size_t>(after - text_.data());
         return value;
     }
+    /// Returns what is wrong with the next word, of which number() made none.
+    const char* why_no_number() const
+    {
+        double value = 0;
+        const std::string_view left = text_.substr(text_.substr(at_).starts_with('+') ? at_ + 1 : at_);
+        const bool is_too_large = read_number(left.data(), left.data() + left.size(), value).ec ==
+                                  std::errc::result_out_of_range;
+        return is_too_large ? "a number is too large" : "a number is missing or malformed";
+    }
     /// Reads the words up to the end of this line; returns how many there are, of which `words` holds the first ones.
     std::size_t rest_of_line(std::span<std::string_view> words)
     {

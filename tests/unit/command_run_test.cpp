@@ -149,6 +149,8 @@ TEST_F(Command, WhatIsNoImageIsAnErrorAndWhatIsMissingIsAWarning)
     const Outcome broken = render("broken.obj");
     EXPECT_EQ(broken.exit_code, kBadInput);
     EXPECT_NE(broken.err.find("broken.obj: broken.png"), std::string::npos) << broken.err;
+    const std::string path = (folder / "broken.obj").string();
+    EXPECT_NE(render(path).err.find("occam: " + path + ": broken.png"), std::string::npos) << "as the user gave it";
     EXPECT_FALSE(fs::exists(folder / "a.png"));
     EXPECT_EQ(render("triangle.obj", {"--environment", "broken.png"}).exit_code, kBadInput);
 

@@ -161,6 +161,17 @@ TEST(ImportMtl, NumbersOfOptionsThatAreNotFiniteGetTheirDefaultsAndAWarning)
     }
 }
 
+TEST(ImportMtl, OptionsThatWouldChangeTheImageAreLeftOutWithAWarning)
+{
+    for (const char* options : {"-mm 0.2", "-mm 0 0.5", "-s 2 -t 0 0.1"}) {
+        const Loaded loaded(std::string("map_Kd ") + options + " blue.ppm\n");
+        EXPECT_EQ(loaded.file(loaded.material.base_color_texture), "blue.ppm") << options;
+        EXPECT_TRUE(warns(loaded.scene, "the options -mm and -t of images")) << options;
+    }
+    for (const char* options : {"-mm 0 1", "-mm 0.0", "-t 0 -s 2", "-boost 2"})
+        EXPECT_TRUE(Loaded(std::string("map_Kd ") + options + " blue.ppm\n").scene.warnings.empty()) << options;
+}
+
 TEST(ImportMtl, NumbersOfOptionsMayBeLeftOut)
 {
     const auto map = [](const std::string& options) {
@@ -173,7 +184,7 @@ TEST(ImportMtl, NumbersOfOptionsMayBeLeftOut)
     EXPECT_EQ(map("-s 2 blue.ppm").scale, Vec2f(2, 1));
     EXPECT_EQ(map("-o .5 blue.ppm").offset, Vec2f(0.5f, 0));
     EXPECT_EQ(map("-o +.5 .25 -s 2 blue.ppm").offset, Vec2f(0.5f, -0.25f));
-    EXPECT_EQ(map("-t 1 -mm 0.1 -bm blue.ppm").scale, Vec2f(1));
+    EXPECT_EQ(map("-t 0 -mm 0 -bm blue.ppm").scale, Vec2f(1));
     EXPECT_EQ(map("-cc on -texres 512 -imfchan m -blendu off -s 2 2 1 blue.ppm # small").scale, Vec2f(2));
     EXPECT_EQ(map("-clamp blue.ppm").wrap_s, TextureUse::Wrap::Clamp);
     EXPECT_EQ(map("-clamp off blue.ppm").wrap_s, TextureUse::Wrap::Repeat);

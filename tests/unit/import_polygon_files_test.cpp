@@ -306,6 +306,31 @@ TEST(ImportStl, JoinsEqualPositionsInBothEncodings)
     }
 }
 
+TEST(ImportStl, ReadsSolidsThatStandOnOneLine)
+{
+    const TempFolder folder;
+    const std::string facet = "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet ";
+    const std::string other = "facet normal 0 0 1 outer loop vertex 0 0 5 vertex 1 0 5 vertex 0 1 5 endloop endfacet ";
+    for (const std::string& text : {"solid " + facet + other + "endsolid", "solid a b " + facet + other + "endsolid a b",
+                                    "solid a " + facet + "endsolid a solid b " + other + "endsolid b",
+                                    "solid facet normal\n" + facet + "\n" + other + "\nendsolid facet normal\n"}) {
+        const Scene scene = load(folder.write("a.stl", text));
+        EXPECT_EQ(only_cage(scene).face_count(), 2u) << text;
+        EXPECT_TRUE(scene.warnings.empty()) << text;
+    }
+}
+
+TEST(ImportPolygonFiles, SayThatANumberIsTooLarge)
+{
+    const TempFolder folder;
+    const std::string stl = "solid\nfacet\nouter loop\nvertex 1e400 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+    EXPECT_NE(error_of(folder.write("a.stl", stl)).find("a number is too large (line 4)"), std::string::npos);
+    const std::string ply = ply_header("ascii", kSquare) + "0 0 +1e400 1 0 0 1 1 0 0 1 0 4 0 1 2 3";
+    EXPECT_NE(error_of(folder.write("a.ply", ply)).find("a number is too large"), std::string::npos);
+    const std::string off = "OFF\n3 1 0\n0 0 -1e400\n1 0 0\n0 1 0\n3 0 1 2\n";
+    EXPECT_NE(error_of(folder.write("a.off", off)).find("a number is too large"), std::string::npos);
+}
+
 TEST(ImportStl, RefusesWhatIsCutOff)
 {
     const TempFolder folder;
