@@ -1,5 +1,7 @@
 #include "lod/deformed_cage.h"
 
+#include <algorithm>
+
 #include "base/matrix.h"
 #include "base/stopwatch.h"
 #include "scenegraph/posed_faces.h"
@@ -45,7 +47,8 @@ DeformedCage::DeformedCage(const CageSlot& slot, const CagePose& pose, const dou
         frame_from_mesh_ = frame_from_mesh_ * pose.node_from_skin;
         joint_count_ = pose.joints.size();
         const std::span<Mat4d> joints = arena.make_array<Mat4d>(joint_count_);
-        // Joints that move no vertex have no part in this.
+        // Joints that move no vertex have no part in this. Vertices that no face has may name others.
+        if (!slot.unused_vertices.empty()) std::ranges::fill(joints, frame_from_mesh_);
         int mirrored = 0;
         for (const JointBox& used : slot.deform[0].joints) {
             if (used.joint < joint_count_) joints[used.joint] = frame_from_mesh_ * pose.joints[used.joint];

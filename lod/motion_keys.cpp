@@ -145,6 +145,7 @@ std::span<PosedCage> CageMotion::pose_keys(const PosedCage& still, int segments,
         PosedCage& cage = *new (&keys[k]) PosedCage(still);
         cage.set_frame(frame);
         cage.set_map(world(key));
+        cage.longest_at_poles = static_cast<float>(longest_pole_edge(node_, slot_, skin_, Mat3d(world(key))));
         const CagePose at = pose(key);
         cage.positions = at.positions.data();
         if (tools.tables.deformed_clusters) cage.deform(*tools.tables.deformed_clusters, at, tools.arena, tools.counters);
@@ -165,10 +166,14 @@ PosedCage& CageMotion::finish_keys(std::span<PosedCage> keys, std::span<const do
                                    const PosingTools& tools) const
 {
     orient_flat_keys(keys);
-    float reach = 0;
-    for (const PosedCage& key : keys) reach = std::max(reach, key.displacement.reach);
+    float reach = 0, at_poles = 0;
+    for (const PosedCage& key : keys) {
+        reach = std::max(reach, key.displacement.reach);
+        at_poles = std::max(at_poles, key.longest_at_poles);
+    }
     for (PosedCage& key : keys) {
         key.displacement.reach = reach;
+        key.longest_at_poles = at_poles;
         key.coarsened = coarsened_by_growth(radii);
     }
     if (keys[0].is_displaced()) share_filters(keys);
@@ -191,6 +196,8 @@ const PosedCage* CageMotion::make_still_pose(std::span<const PosedCage> keys, st
     PosedCage still = keys[largest];
     still.set_frame(transform_box(world(at_largest), cage_bounds(node_, slot_, skin_)));
     still.set_map(world(at_largest));
+    for (const PosedCage& key : keys)
+        still.largest_radius = std::max(still.largest_radius, static_cast<float>(key.world_box(0).radius()));
     const std::span<AffinePose> poses = tools.arena.make_array<AffinePose>(keys.size());
     const std::optional<Mat4d> object_from_still = inverse_of(still);
     if (!object_from_still) return nullptr;

@@ -55,6 +55,8 @@ PosedCage& pose_moving(const CageMotion& motion, const PosedCage& cage, const Ca
 PosedCage& pose_still(PosedCage& cage, const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools)
 {
     cage.place(placement.world_from_node.front(), cage_bounds(placement.node, placement.slot, placement.skin));
+    cage.longest_at_poles = static_cast<float>(
+        longest_pole_edge(placement.node, placement.slot, placement.skin, Mat3d(placement.world_from_node.front())));
     if (tools.tables.deformed_clusters)
         cage.deform(*tools.tables.deformed_clusters, {placement.slot, placement.node, placement.skin}, tools.arena,
                     tools.counters);

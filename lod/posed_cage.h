@@ -57,6 +57,8 @@ struct PosedCage {
     double columns[4][4] = {};       ///< the same map by columns, the last row 0, so that four sums are computed at a time
     Vec3d anchor{0};                 ///< world
     float radius = 0;                ///< radius of a ball around the anchor that holds the cage, world length
+    float largest_radius = 0;        ///< of a still pose: a radius that holds the cage at each key, world length
+    float longest_at_poles = 0;      ///< no edge at a pole (scenegraph/poles.h) is longer at any key, world length
     int coarsened = 0;               ///< by how many levels its finest level is coarser than that of other cages
     int least_level = kFinestLevel;  ///< all finer levels are the same as this one
     int level = 0;                   ///< LevelMode::PerInstance: the level for all rays
@@ -115,9 +117,11 @@ struct PosedCage {
     /// kFinestAtPoles. Finer levels are the same as this one.
     int finest_level() const noexcept
     {
-        const float at_poles = slot ? float(slot->poles.longest_of_all()) * (2 * float(1 << kMaxExponent) / kFinestAtPoles)
-                                    : 0;
-        return std::max(ceil_log2(std::max(16.0f, at_poles) * radius) - kMaxExponent + coarsened, least_level);
+        // The keys of a cage that flies lie in one dicing frame, which may be much larger than what is diced.
+        const PosedCage& of = diced();
+        const float at_poles = of.longest_at_poles * (float(1 << kMaxExponent) / kFinestAtPoles);
+        const float longest = std::max({16 * of.radius, 16 * of.largest_radius, at_poles});
+        return std::max(ceil_log2(longest) - kMaxExponent + coarsened, least_level);
     }
 
     /// Maps object axes to the dicing frame, in double and rounded once: a pure function of the point.

@@ -77,19 +77,46 @@ Vec4d slerp(Vec4d a, Vec4d b, double t) noexcept
     return normalised(a * ratio_of_sines(1 - t, versine) + b * ratio_of_sines(t, versine));
 }
 
+namespace {
+
+/// Returns the vector with a length of 1; 0 if it has none.
+Vec3d unit_or_zero(Vec3d v) noexcept
+{
+    const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    return largest > 0 ? glm::normalize(v / largest) : Vec3d(0);
+}
+
+/// Returns a unit vector across this one.
+Vec3d any_across(Vec3d v) noexcept
+{
+    const Vec3d to_z = unit_or_zero(glm::cross(Vec3d(0, 0, 1), v));
+    return to_z == Vec3d(0) ? Vec3d(1, 0, 0) : to_z;
+}
+
+/// Returns the length of a vector whose square may be too large, or too small, for a double.
+double length_of(Vec3d v) noexcept
+{
+    const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    return largest > 0 ? glm::length(v / largest) * largest : 0;
+}
+
+}  // namespace
+
 Trs decomposed(const Mat4d& m) noexcept
 {
     Trs trs;
     trs.translation = Vec3d(m[3]);
-    Vec3d x(m[0]), y(m[1]);
-    const Vec3d z(m[2]);
-    trs.scale = {glm::length(x), glm::length(y), glm::length(z)};
+    trs.scale = {length_of(Vec3d(m[0])), length_of(Vec3d(m[1])), length_of(Vec3d(m[2]))};
+    Vec3d x = unit_or_zero(Vec3d(m[0])), y = unit_or_zero(Vec3d(m[1]));
+    const Vec3d z = unit_or_zero(Vec3d(m[2]));
     if (glm::dot(glm::cross(x, y), z) < 0) x = -x, trs.scale.x = -trs.scale.x;
-    if (trs.scale.x == 0 || trs.scale.y == 0) return trs;
-    x = glm::normalize(x);
-    y -= x * glm::dot(x, y);
-    if (glm::length(y) == 0) return trs;
-    y = glm::normalize(y);
+    // An axis without a length may have any direction that is across the others.
+    if (x == Vec3d(0)) x = unit_or_zero(glm::cross(y, z));
+    if (x == Vec3d(0)) x = y != Vec3d(0) ? any_across(y) : z != Vec3d(0) ? any_across(z) : Vec3d(1, 0, 0);
+    const Vec3d across = y - x * glm::dot(x, y);
+    y = glm::length(across) > 0x1p-40 ? glm::normalize(across) : Vec3d(0);
+    if (y == Vec3d(0)) y = unit_or_zero(glm::cross(z, x));
+    if (y == Vec3d(0)) y = any_across(x);
     const glm::dquat q = glm::quat_cast(Mat3d(x, y, glm::cross(x, y)));
     trs.rotation = glm::normalize(Vec4d(q.x, q.y, q.z, q.w));
     return trs;

@@ -41,8 +41,8 @@ struct Contents {
     std::uint32_t deformed_vertices = 0;  ///< of the largest cage that a skin or morph targets deform
     std::uint32_t joints = 0;             ///< of the largest skin that a node wears
     std::uint32_t written_faces = 0;      ///< of the largest cage whose vertices move by keys of their own
-    /// The longest edges at poles, in lengths of the node. Deformation counts as if it stretched them as it stretches the
-    /// box of the cage. Cages on demand have none, because nobody knows their faces.
+    /// Lengths in the axes of the node that edges at poles do not exceed. Cages on demand have none, because nobody knows
+    /// their faces.
     Poles poles;
     /// The sum over all that is placed below of how many surfaces a ray meets in it, times the size of its box
     /// (Contents::size_of), in the axes of the node. See layers_in().
@@ -130,7 +130,8 @@ inline constexpr std::size_t kMostListed = std::size_t(1) << 22;
 struct Node;
 class Scene;
 struct Cage;
-/// How the faces of a cage lie in its box; each face counts by its own box.
+/// How the faces of a cage lie in its box; each face counts by its own box. Morph targets and joints are taken to change
+/// nothing of it.
 struct FaceLayers {
     double crossed = 1;  ///< how many surfaces a ray meets that passes through the cage's box, 1 at least
     double held = 1;     ///< in how many boxes of faces a point of that box lies, 1 at least

@@ -1,5 +1,7 @@
 #include "scenegraph/deform_bounds.h"
 
+#include <algorithm>
+
 namespace occam {
 
 Box3d morph_extent(std::span<const Box3f> offsets, std::span<const float> weights) noexcept
@@ -30,9 +32,7 @@ void DeformBoundsTable::add_vertex(const Cage& cage, std::uint32_t v)
         const std::size_t at = std::size_t(set) * cage.positions.size() + v;
         for (int k = 0; k < 4; ++k) {
             if (!(cage.skin.weights[at][k] > 0)) continue;
-            const std::size_t joint = cage.skin.joints[at][k];
-            if (joint >= scratch_.size()) scratch_.resize(joint + 1);
-            scratch_[joint].add(p);
+            add_to_joint(cage.skin.joints[at][k], {p, p});
         }
     }
     for (std::size_t t = 0; t < targets_; ++t)
@@ -40,13 +40,21 @@ void DeformBoundsTable::add_vertex(const Cage& cage, std::uint32_t v)
             offsets_[part.first_offset + t].add(cage.morph_targets[t].positions[v]);
 }
 
+void DeformBoundsTable::add_to_joint(std::uint16_t joint, const Box3f& box)
+{
+    if (joint >= scratch_.size()) scratch_.resize(joint + std::size_t(1));
+    if (scratch_[joint].is_empty()) touched_.push_back(joint);
+    scratch_[joint].add(box);
+}
+
 void DeformBoundsTable::finish()
 {
-    for (std::size_t joint = 0; joint < scratch_.size(); ++joint) {
-        if (scratch_[joint].is_empty()) continue;
-        joints_.push_back({static_cast<std::uint16_t>(joint), scratch_[joint]});
+    std::ranges::sort(touched_);
+    for (const std::uint16_t joint : touched_) {
+        joints_.push_back({joint, scratch_[joint]});
         scratch_[joint] = {};
     }
+    touched_.clear();
     parts_.back().joint_count = static_cast<std::uint32_t>(joints_.size()) - parts_.back().first_joint;
 }
 
@@ -75,8 +83,7 @@ void DeformBoundsTable::add_union(std::size_t a, std::size_t b)
     for (const std::size_t part : {a, b})
         for (std::uint32_t j = 0; j < parts_[part].joint_count; ++j) {
             const JointBox& of = joints_[parts_[part].first_joint + j];
-            if (of.joint >= scratch_.size()) scratch_.resize(of.joint + 1u);
-            scratch_[of.joint].add(of.box);
+            add_to_joint(of.joint, of.box);
         }
     for (std::size_t t = 0; t < targets_; ++t) {
         Box3f box = offsets_[parts_[a].first_offset + t];

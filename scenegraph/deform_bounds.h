@@ -66,13 +66,15 @@ private:
     };
     void add_vertex(const Cage& cage, std::uint32_t v);
     void begin(const Cage& cage);
+    void add_to_joint(std::uint16_t joint, const Box3f& box);
     void finish();
 
     std::vector<PartRecord> parts_;
     std::vector<JointBox> joints_;
     std::vector<Box3f> offsets_;
     std::size_t targets_ = 0;
-    std::vector<Box3f> scratch_;  ///< indexed by joint
+    std::vector<Box3f> scratch_;          ///< indexed by joint
+    std::vector<std::uint16_t> touched_;  ///< joints whose box there is not empty
 };
 
 }  // namespace occam

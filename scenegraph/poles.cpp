@@ -120,6 +120,11 @@ void Poles::add(const Poles& other) noexcept
     for (std::size_t c = 0; c < longest.size(); ++c) longest[c] = std::max(longest[c], other.longest[c]);
 }
 
+void Poles::lengthen(const Poles& by) noexcept
+{
+    for (std::size_t c = 0; c < longest.size(); ++c) longest[c] += by.longest[c];
+}
+
 std::uint32_t Poles::class_of(std::uint32_t faces) noexcept
 {
     if (faces < 5) return 0;
@@ -157,24 +162,53 @@ PoleFaces::PoleFaces(const Cage& cage)
     faces_.shrink_to_fit();
 }
 
-Poles PoleFaces::measure(const Cage& cage, std::span<const Vec3f> positions, const Box3d& box) const noexcept
+namespace {
+
+/// Calls visit(edge) for each vector along a side of the face, and then, where a vertex is made in its middle, from there to
+/// each of its corners.
+template <class Visit>
+void for_each_edge(std::span<const std::uint32_t> face, std::span<const Vec3f> positions, bool has_middle,
+                   const Visit& visit)
+{
+    const auto corner = [&](std::size_t c) { return Vec3d(positions[face[c]]); };
+    for (std::size_t c = 0; c < face.size(); ++c) visit(corner((c + 1) % face.size()) - corner(c), false);
+    if (!has_middle) return;
+    Vec3d middle(0);
+    for (std::size_t c = 0; c < face.size(); ++c) middle += corner(c) / double(face.size());
+    for (std::size_t c = 0; c < face.size(); ++c) visit(corner(c) - middle, true);
+}
+
+}  // namespace
+
+Poles PoleFaces::lengths(const Face& face, const Cage& cage, std::span<const Vec3f> positions) const noexcept
+{
+    double sides = 0, all = 0;
+    for_each_edge(std::span(cage.face_vertices).subspan(face.first, face.size), positions, face.middle != 0,
+                  [&](const Vec3d& edge, bool is_to_middle) {
+                      const double length = glm::length(edge);
+                      all = std::max(all, length);
+                      if (!is_to_middle) sides = std::max(sides, length);
+                  });
+    Poles poles;
+    poles.add(face.corners, sides);
+    poles.add(face.middle, all);
+    return poles;
+}
+
+Poles PoleFaces::measure(const Cage& cage, std::span<const Vec3f> positions) const noexcept
 {
     Poles poles;
-    const double diagonal = box.is_empty() ? 0 : glm::length(box.extent());
-    if (!(diagonal > 0)) return poles;
-    for (const Face& face : faces_) {
-        const std::size_t size = face.size;
-        const auto corner = [&](std::size_t c) { return Vec3d(positions[cage.face_vertices[face.first + c]]); };
-        double longest = 0;
-        for (std::size_t c = 0; c < size; ++c) longest = std::max(longest, glm::distance(corner(c), corner((c + 1) % size)));
-        poles.add(face.corners, longest / diagonal);
-        if (face.middle == 0) continue;
-        Vec3d middle(0);
-        for (std::size_t c = 0; c < size; ++c) middle += corner(c) / double(size);
-        for (std::size_t c = 0; c < size; ++c) longest = std::max(longest, glm::distance(corner(c), middle));
-        poles.add(face.middle, longest / diagonal);
-    }
+    for (const Face& face : faces_) poles.add(lengths(face, cage, positions));
     return poles;
+}
+
+Vec3d PoleFaces::reach(const Cage& cage, std::span<const Vec3f> positions) const noexcept
+{
+    Vec3d reach(0);
+    for (const Face& face : faces_)
+        for_each_edge(std::span(cage.face_vertices).subspan(face.first, face.size), positions, face.middle != 0,
+                      [&](const Vec3d& edge, bool) { reach = glm::max(reach, glm::abs(edge)); });
+    return reach;
 }
 
 }  // namespace occam

@@ -27,6 +27,8 @@ struct Poles {
 
     double longest_of_all() const noexcept { return *std::max_element(longest.begin(), longest.end()); }
     void add(const Poles& other) noexcept;
+    /// Adds lengths to lengths, class by class.
+    void lengthen(const Poles& by) noexcept;
     /// Returns a mask of the class of a pole of so many faces; 0 for fewer than five, which make no pole.
     static std::uint32_t class_of(std::uint32_t faces) noexcept;
     /// Notes that edges of this length meet at poles of the classes in a mask.
@@ -42,9 +44,19 @@ public:
     PoleFaces() = default;
     explicit PoleFaces(const Cage& cage);
 
-    /// Returns the longest edges with these positions, in lengths of the diagonal of the box of all vertices that some face
-    /// has, which `box` must be. Displacement does not count.
-    Poles measure(const Cage& cage, std::span<const Vec3f> positions, const Box3d& box) const noexcept;
+    bool is_empty() const noexcept { return faces_.empty(); }
+    /// Returns the longest edges with these positions, in their lengths. Displacement does not count.
+    Poles measure(const Cage& cage, std::span<const Vec3f> positions) const noexcept;
+    /// Returns how far these edges reach along each axis.
+    Vec3d reach(const Cage& cage, std::span<const Vec3f> positions) const noexcept;
+    /// Calls visit(vertices, lengths, all classes) for each face, where lengths are those of its edges with these positions.
+    template <class Visit>
+    void for_each(const Cage& cage, std::span<const Vec3f> positions, const Visit& visit) const
+    {
+        for (const Face& face : faces_)
+            visit(std::span<const std::uint32_t>(cage.face_vertices).subspan(face.first, face.size),
+                  lengths(face, cage, positions), std::uint32_t(face.corners | face.middle));
+    }
 
 private:
     struct Face {
@@ -53,6 +65,8 @@ private:
         std::uint32_t corners : 8;  ///< mask of the classes of poles among its corners
         std::uint32_t middle : 8;   ///< the same for the vertex that subdivision makes in its middle
     };
+    Poles lengths(const Face& face, const Cage& cage, std::span<const Vec3f> positions) const noexcept;
+
     std::vector<Face> faces_;
 };
 

@@ -29,6 +29,7 @@
 #include "scenegraph/camera.h"
 #include "scenegraph/contents.h"
 #include "scenegraph/deform_bounds.h"
+#include "scenegraph/deformed_poles.h"
 #include "scenegraph/light.h"
 #include "scenegraph/material.h"
 #include "scenegraph/ray_kind.h"
@@ -101,9 +102,11 @@ struct CageSlot {
     CageId id;
     std::uint64_t identity = 0;  ///< unique in the process; a new one when topology is replaced
     std::uint64_t positions_version = 0;
-    std::uint32_t largest_face = 4;              ///< corners; at least 4, and 4 for an OnDemandCage
-    PoleFaces pole_faces;                        ///< of the cage's polygons
-    Poles poles;                                 ///< in lengths of the diagonal of the cage's box
+    std::uint32_t largest_face = 4;  ///< corners; at least 4, and 4 for an OnDemandCage
+    PoleFaces pole_faces;            ///< of the cage's polygons
+    Poles poles;          ///< in lengths of the object axes, at all keys of the shutter; of a deformed cage those at rest
+    Vec3d pole_reach{0};  ///< how far these edges reach along each axis
+    DeformedPoles deformed_poles;
     std::size_t derived_points = 0;              ///< the most that a pose has (large_parts.h); 0 for an OnDemandCage
     std::vector<std::uint32_t> unused_vertices;  ///< those that no face has, in ascending order; bounds do not hold them
     DeformBoundsTable deform;          ///< one part, the whole cage; none if no skin and no morph target deforms the cage
@@ -148,6 +151,10 @@ class ChildBoxes;
 Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin) noexcept;
 /// Returns the bounds at one key of the shutter. What has no keys counts as it is posed.
 Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin, std::size_t key) noexcept;
+/// Returns lengths, in the node's axes, that the edges at the poles of a cage that it shows do not exceed at any key.
+Poles cage_poles(const Node& node, const CageSlot& slot, const SkinSlot* skin);
+/// Returns a length that they do not exceed where this map has placed them.
+double longest_pole_edge(const Node& node, const CageSlot& slot, const SkinSlot* skin, const Mat3d& map);
 
 /// The largest number of segments of a shutter.
 inline constexpr int kMaxShutterSegments = 32;

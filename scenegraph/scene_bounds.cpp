@@ -110,7 +110,7 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
         if (!cage) continue;
         const Box3d box = cage_bounds(node, *cage, skin);
         bounds.add(box);
-        contents.poles.add(cage->poles.scaled(glm::length(box.extent())));
+        contents.poles.add(cage_poles(node, *cage, skin));
         contents.crossed += Contents::size_of(box) * cage->layers.crossed;
         if (contents.has(Contents::Passing)) contents.held += Contents::volume_of(box) * cage->layers.held;
     }

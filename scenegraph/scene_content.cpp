@@ -67,7 +67,8 @@ CageSlot CageSlot::made() const
     const Box3d box = box_of_used(slot, slot.cage.positions);
     if (!box.is_empty() && (glm::any(glm::lessThan(box.lo, bounds.lo)) || glm::any(glm::greaterThan(box.hi, bounds.hi))))
         throw error_without_file("a cage made on demand leaves its bounds", naming("cage", cage.name));
-    slot.poles = PoleFaces(slot.cage).measure(slot.cage, slot.cage.positions, box);
+    slot.pole_faces = PoleFaces(slot.cage);
+    find_poles(slot);
     return slot;
 }
 
@@ -117,9 +118,8 @@ void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::s
     record.derived_points = most_derived_points(record.cage);
     record.unused_vertices = find_unused_vertices(record.cage);
     record.identity = next_identity();
-    find_bounds(record);
     record.pole_faces = PoleFaces(record.cage);
-    record.poles = record.pole_faces.measure(record.cage, record.cage.positions, box_of_used(record, record.cage.positions));
+    find_bounds(record);
 }
 
 CageId Scene::add(Cage cage)
@@ -287,7 +287,6 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
     find_bounds(record);
     written.keep();
     record.layers = FaceLayers(record.cage);
-    record.poles = record.pole_faces.measure(record.cage, record.cage.positions, box_of_used(record, record.cage.positions));
     ++record.positions_version;
     state_->mark_users_dirty(record);
 }

@@ -81,31 +81,6 @@ double largest_stretch_to_parent(const Node& node) noexcept
     return most;
 }
 
-Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin, std::size_t key) noexcept
-{
-    if (!slot.is_deformed()) return slot.key_bounds.empty() ? slot.bounds : slot.key_bounds[key];
-    const bool is_skinned = skin && slot.cage.skin.sets > 0;
-    DeformBounds deform = slot.deform[0];
-    if (!is_skinned) deform.joints = {};
-    const std::vector<float>& own = node.keys.empty() ? node.morph_weights : node.keys[key].morph_weights;
-    const std::vector<float>& weights = own.empty() ? slot.cage.morph_weights : own;
-    const Mat4d& node_from_skin = node.keys.empty() ? node.node_from_skin : node.keys[key].node_from_skin;
-    const Box3d box = deformed_box(deform, weights, Mat4d(1), [&](std::size_t joint) {
-        const std::vector<Mat4d>& poses = skin->key_poses.empty() ? skin->mesh_poses : skin->key_poses[key];
-        return joint < poses.size() ? node_from_skin * poses[joint] : node_from_skin;
-    });
-    return grown_by_displacement(slot.cage, box);
-}
-
-Box3d cage_bounds(const Node& node, const CageSlot& slot, const SkinSlot* skin) noexcept
-{
-    const std::size_t of_skin = skin ? skin->key_poses.size() : 0;
-    const std::size_t keys = std::max({node.keys.size(), of_skin, slot.key_bounds.size(), std::size_t(1)});
-    Box3d box;
-    for (std::size_t k = 0; k < keys; ++k) box.add(cage_bounds(node, slot, skin, k));
-    return box;
-}
-
 NodeKey Scene::State::key_of(const NodeRecord& node, NodeId id) const
 {
     const SkinRecord* skin = skins.find(node.skin);

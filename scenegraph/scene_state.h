@@ -23,9 +23,11 @@ std::vector<std::uint32_t> find_unused_vertices(const Cage& cage);
 /// Returns the box of the positions, one for each vertex of the slot's cage, that are not of unused vertices.
 Box3d box_of_used(const CageSlot& slot, std::span<const Vec3f> positions) noexcept;
 
-/// Computes the bounds of a slot's cage and of what deforms it. The slot stays as it is if there is no memory for them; a
-/// cage without keys, skin and morph targets needs none.
+/// Computes the bounds of a slot's cage and of what deforms it, and the edges at its poles. The slot stays as it is if there
+/// is no memory for them; a cage without keys, skin and morph targets needs none.
 void find_bounds(CageSlot& slot);
+/// Computes the edges at the poles alone.
+void find_poles(CageSlot& slot) noexcept;
 
 /// Returns a number that is unique in the process, since renderers use it as a key for data that they keep across frames and
 /// scenes.

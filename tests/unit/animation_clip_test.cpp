@@ -304,6 +304,26 @@ TEST(Pose, AMatrixIsTheRestOfWhatAClipLeavesOut)
     EXPECT_EQ(scene.node(node).parent_from_node, placed);
 }
 
+// Flat things, such as shadows, and things of any size keep their place and direction where a clip moves one property.
+TEST(Pose, FlatMatricesAndThoseOfAnySizeAreDecomposedWithoutALoss)
+{
+    const double half = std::sqrt(0.5);
+    const Mat3d turn(Vec3d(half, 0, -half), Vec3d(0, 1, 0), Vec3d(half, 0, half));
+    for (const Vec3d scale : {Vec3d(1, 0, 1), Vec3d(0, 1, 1), Vec3d(1, 1, 0), Vec3d(0, 0, 2), Vec3d(0, 3, 0), Vec3d(2, 0, 0),
+                              Vec3d(0), Vec3d(1, -2, 3), Vec3d(1e160), Vec3d(1e-170), Vec3d(1e200, 1, 1e-200)}) {
+        Mat4d matrix(1);
+        for (int axis = 0; axis < 3; ++axis) matrix[axis] = Vec4d(turn[axis] * scale[axis], 0);
+        matrix[3] = Vec4d(1, 2, 3, 1);
+        const Mat4d again = decomposed(matrix).matrix();
+        for (int column = 0; column < 4; ++column)
+            for (int row = 0; row < 4; ++row) {
+                const double size = column < 3 ? std::max(std::abs(scale[column]), 1e-300) : 1.0;
+                EXPECT_NEAR(again[column][row] / size, matrix[column][row] / size, 1e-12)
+                    << scale.x << ' ' << scale.y << ' ' << scale.z << ", " << column << ' ' << row;
+            }
+    }
+}
+
 TEST(Pose, WeightsAndValuesOfAnySizeGiveNumbersOrAreRefused)
 {
     Scene scene;

@@ -1,5 +1,6 @@
 // Tests of how long edges become beside poles, on which a ray's margins rely (watertightness rule 11).
 #include <gtest/gtest.h>
+#include <occam/occam.h>
 
 #include <cmath>
 #include <random>
@@ -155,8 +156,7 @@ TEST(Poles, MakeEdgesThatAreLongerThanTheirLevelSays)
 Poles poles_of(Cage cage)
 {
     sanitize(cage);
-    const Box3d box = cage.bounds();
-    return PoleFaces(cage).measure(cage, cage.positions, box).scaled(glm::length(box.extent()));
+    return PoleFaces(cage).measure(cage, cage.positions);
 }
 
 TEST(Poles, AreFoundByHowManyFacesMeet)
@@ -228,6 +228,104 @@ TEST(Poles, CountWhereAndHoweverTheyArePlaced)
     scene.write_vertices(cage, twice);
     scene.refit();
     EXPECT_NEAR(scene.contents().poles.longest[3], 6 * edge, 1e-5 * edge);
+}
+
+/// Deforms a cage by up to two morph targets and, or, four joints; returns the joints' maps.
+std::vector<Mat4d> deform(Cage& cage, Random& random)
+{
+    const auto vector = [&](double size) {
+        const double x = uniform(random), y = uniform(random), z = uniform(random);
+        return size * (2.0 * Vec3d(x, y, z) - 1.0);
+    };
+    for (std::uint32_t t = below(random, 3); t > 0; --t) {
+        MorphTarget target;
+        for (std::size_t v = 0; v < cage.positions.size(); ++v) target.positions.emplace_back(vector(0.3));
+        cage.morph_targets.push_back(target);
+        cage.morph_weights.push_back(static_cast<float>(3 * uniform(random) - 1));
+    }
+    std::vector<Mat4d> joints;
+    if (below(random, 4) == 0) return joints;
+    for (int j = 0; j < 4; ++j) {
+        const Vec3d scale = 1.0 + vector(0.8), axis = glm::normalize(vector(1)), translation = vector(1);
+        const double half = 1.5 * uniform(random);
+        joints.push_back(Trs{translation, Vec4d(axis * std::sin(half), std::cos(half)), scale}.matrix());
+    }
+    cage.skin.sets = 1;
+    for (std::size_t v = 0; v < cage.positions.size(); ++v) {
+        const std::uint32_t joint = below(random, 4), other = below(random, 4);
+        const float share = below(random, 2) > 0 ? 1.0f : static_cast<float>(uniform(random));
+        cage.skin.joints.emplace_back(joint, other, 0, 0);
+        cage.skin.weights.emplace_back(share, 1 - share, 0, 0);
+    }
+    return joints;
+}
+
+TEST(Poles, OfDeformedCagesAreNoLongerThanTheBoundSays)
+{
+    Random random(2);
+    double tightest = 0;
+    for (int trial = 0; trial < 200; ++trial) {
+        Cage cage = trial % 2 > 0 ? random_kites(random) : spindle(5 + below(random, 9));
+        const std::vector<Mat4d> joints = deform(cage, random);
+        sanitize(cage);
+        const DicedCage diced(cage, 0, Mat4d(1), nullptr, joints);
+        std::vector<Vec3f> posed;
+        for (std::uint32_t v = 0; v < cage.positions.size(); ++v) posed.push_back(diced.posed.vertex(v));
+        const Poles edges = PoleFaces(cage).measure(cage, posed), bound = diced.scene().contents().poles;
+        for (std::size_t c = 0; c < edges.longest.size(); ++c) {
+            EXPECT_LE(edges.longest[c], bound.longest[c] * 1.0001) << trial;
+            tightest = std::max(tightest, edges.longest[c] / std::max(bound.longest[c], 1e-30));
+        }
+    }
+    EXPECT_GT(tightest, 0.9) << "the bound is not much too long";
+}
+
+TEST(Poles, CountAtEachKeyOfWrittenVertices)
+{
+    const std::vector<Vec3f> full = spindle(12).positions;
+    Scene scene;
+    const CageId cage = scene.add(spindle(12));
+    scene.add_node(scene.root(), {.cages = {cage}});
+    scene.record_shutter(2, [&](double time) {
+        std::vector<Vec3f> positions = full;
+        for (Vec3f& p : positions) p *= time == 0.5 ? 1e-3f : 1.0f;
+        scene.write_vertices(cage, positions);
+    });
+    scene.refit();
+    EXPECT_NEAR(scene.contents().poles.longest[3], poles_of(spindle(12)).longest[3], 1e-5);
+}
+
+// The edges at the tip of a rod that is drawn out along its axis lie across that axis.
+TEST(Poles, DoNotMakeStretchedCagesCoarse)
+{
+    Cage rod = spindle(8);
+    for (Vec3f& p : rod.positions) p.y *= 1e-4f;
+    const Mat4d stretched = Trs{.scale = {1, 1e4, 1}}.matrix();
+    Cage baked = rod;
+    for (Vec3f& p : baked.positions) p.y *= 1e4f;
+    EXPECT_LE(DicedCage(rod, 0, stretched).posed.finest_level(), DicedCage(baked, 0).posed.finest_level() + 1);
+}
+
+// The camera flies along with the cage, so the picture is as sharp as that of one that stands still.
+TEST(Poles, DoNotMakeCagesThatFlyFarCoarse)
+{
+    const auto micropolygons = [](double path) {
+        Scene scene;
+        const NodeId node = scene.add_node(scene.root(), {.cages = {scene.add(spindle(8))}});
+        scene.environment.radiance = Vec3f(1);
+        Vec3d at(0);
+        const auto pose = [&](double time) {
+            at = {path * (time - 0.5), 0, 0};
+            scene.set_transform(node, Trs{.translation = at});
+        };
+        const auto camera = [&] { return Camera::look_at(at + Vec3d(1, 1.4, 3.4), at, {0, 1, 0}, 0.9f); };
+        const Camera seen = record_shutter(scene, pose, camera, 48);
+        Renderer renderer({.threads = 1});
+        Job job = renderer.start(scene, seen, {.width = 64, .height = 48, .spp = 4, .integrator = IntegratorKind::Direct});
+        job.image();
+        return job.stats().built.micropolygons;
+    };
+    EXPECT_GT(micropolygons(3000), micropolygons(0) * 9 / 10);
 }
 
 TEST(RayLevels, KeepMarginsAsLongAsTheLongestEdges)

@@ -65,19 +65,95 @@ TEST(ClosedRooms, AreDarkBetweenWallsOfSlivers)
         }
 }
 
+/// Returns a spindle, seen from inside, so near to its pole.
+Room beside_pole(std::uint32_t faces, double away)
+{
+    Room room{"a spindle with poles of " + std::to_string(faces) + " faces", spindle(faces)};
+    const DicedCage diced(room.cage, 0);
+    lod::PatchSurface surface;
+    const Vec3d pole(lod::OwnedCurves(surface).vertex_point(diced.posed, 0, lod::kFinestLevel - 1));
+    room.eye = pole + diced.posed.anchor + away * Vec3d(0.0003, -1, 0.0001);
+    room.target = pole + diced.posed.anchor + away * Vec3d(0.1, 0, 0.05);
+    return room;
+}
+
 // Edges beside a pole are longer than their level says. With margins as short as elsewhere, hundreds of pixels are lit.
 TEST(ClosedRooms, AreDarkBesidePoles)
 {
     for (const std::uint32_t faces : {12u, 50u})
-        for (const double away : {0.02, 0.005}) {
-            Room room{"a spindle with poles of " + std::to_string(faces) + " faces", spindle(faces)};
-            const DicedCage diced(room.cage, 0);
-            lod::PatchSurface surface;
-            const Vec3d pole(lod::OwnedCurves(surface).vertex_point(diced.posed, 0, lod::kFinestLevel - 1));
-            room.eye = pole + diced.posed.anchor + away * Vec3d(0.0003, -1, 0.0001);
-            room.target = pole + diced.posed.anchor + away * Vec3d(0.1, 0, 0.05);
-            for (const float rate : {1.0f, 4.0f}) expect_dark(room, {.rate = rate, .width = 48, .height = 48});
-        }
+        for (const double away : {0.02, 0.005})
+            for (const float rate : {1.0f, 4.0f})
+                expect_dark(beside_pole(faces, away), {.rate = rate, .width = 48, .height = 48});
+}
+
+/// Returns that room with a small closed cage beside it, which is a part of the same cage and whose vertices come last.
+Room with_small_shell(Room room)
+{
+    const Cage shell = spindle(4);
+    const auto first = static_cast<std::uint32_t>(room.cage.positions.size());
+    for (const Vec3f p : shell.positions) room.cage.positions.push_back(p * 0.05f + Vec3f(3, 0, 0));
+    for (const std::uint32_t v : shell.face_vertices) room.cage.face_vertices.push_back(first + v);
+    room.cage.face_sizes.insert(room.cage.face_sizes.end(), shell.face_sizes.begin(), shell.face_sizes.end());
+    return room;
+}
+
+/// Gives a cage another shape at rest, which a morph target makes what it was.
+void morph_from(std::vector<Vec3f> rest, Cage& cage)
+{
+    MorphTarget target;
+    for (std::size_t v = 0; v < rest.size(); ++v) target.positions.push_back(cage.positions[v] - rest[v]);
+    cage.positions = std::move(rest);
+    cage.morph_targets = {target};
+    cage.morph_weights = {1};
+}
+
+// What is small at rest has short edges at poles there.
+TEST(ClosedRooms, AreDarkBesidePolesThatMorphTargetsMake)
+{
+    Room from_nothing = beside_pole(12, 0.005);
+    morph_from(std::vector<Vec3f>(from_nothing.cage.positions.size(), Vec3f(0)), from_nothing.cage);
+    Room grown = with_small_shell(beside_pole(12, 0.005));
+    std::vector<Vec3f> small = grown.cage.positions;
+    for (std::size_t v = 0; v < spindle(12).positions.size(); ++v) small[v] *= 1e-3f;
+    morph_from(small, grown.cage);
+    for (const Room& room : {from_nothing, grown}) expect_dark(room, {.rate = 4, .width = 48, .height = 48});
+}
+
+TEST(ClosedRooms, AreDarkBesidePolesThatJointsEnlarge)
+{
+    const Room room = with_small_shell(beside_pole(12, 0.005));
+    Cage cage = room.cage;
+    cage.skin.sets = 1;
+    const std::size_t vertices = spindle(12).positions.size();
+    for (std::size_t v = 0; v < cage.positions.size(); ++v) {
+        if (v < vertices) cage.positions[v] *= 1e-3f;
+        cage.skin.joints.emplace_back(v < vertices ? 0 : 1, 0, 0, 0);
+        cage.skin.weights.emplace_back(1, 0, 0, 0);
+    }
+    Scene scene;
+    NodeDesc enlarged, shown;
+    enlarged.place.scale = Vec3d(1000);
+    const NodeId joints[] = {scene.add_node(scene.root(), enlarged), scene.add_node(scene.root(), {})};
+    shown.cages = {scene.add(cage)};
+    shown.skin = scene.add(Skin{"skin", {joints[0], joints[1]}});
+    scene.add_node(scene.root(), shown);
+    scene.environment.radiance = Vec3f(100);
+    Renderer renderer({.threads = 2});
+    Settings settings{.width = 48, .height = 48, .spp = 4, .shading_rate = 4};
+    const Image image = renderer.render(scene, Camera::look_at(room.eye, room.target, {0, 1, 0}, 1.5f), settings);
+    const std::vector<float>& pixels = image.layers()[0].pixels;
+    for (std::size_t i = 0; i < pixels.size(); i += 4) ASSERT_EQ(pixels[i] + pixels[i + 1] + pixels[i + 2], 0) << i / 4;
+}
+
+// A small part that lies far away makes the cage's box long, which a node's scale shortens.
+TEST(ClosedRooms, AreDarkBesidePolesOfStretchedCages)
+{
+    Room room = with_small_shell(beside_pole(12, 0.005));
+    for (std::size_t v = spindle(12).positions.size(); v < room.cage.positions.size(); ++v)
+        room.cage.positions[v] += Vec3f(-3, 3000, 0);
+    Trs place;
+    place.scale = {1000, 1, 1};
+    expect_dark(room, {.rate = 4, .place = place, .width = 48, .height = 48});
 }
 
 }  // namespace
