@@ -342,4 +342,36 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     }
 }
 
+bool is_back_side(const Ray& ray, const RayAxes& axes, const GridHit& met, const FrameState& frame) noexcept
+{
+    const std::span<const Ray> rays(&ray, 1);
+    const std::span<const GridHit> hits(&met, 1);
+    const HitsRead read(rays, hits, frame);
+    HitCorners corners(hits, read.spots);
+    const HitRays placed(rays, hits, *met.grid, read.in_still);
+    placed.set_positions(corners, read.coarse_starts);
+    const vfloat zero = 0.0f;
+    const vmask is_flat = vfloat::load(read.is_flat) > zero;
+    const Triangles tri(corners);
+    vfloat share[3] = {1.0f, zero, zero};
+    // Normals at the corners count only where the micropolygon has none.
+    if (read.gaps != 0 || !(first_lane(tri.area) > 0)) {
+        corners.set_attributes(*frame.scene);
+        if (placed.in_still != 0 && corners.has_normals != 0) placed.move_normals(corners);
+        shares_of(corners, {axes, rays, placed, read.gaps}, share);
+    }
+    FloatLanes orientation;
+    vfloat::load(read.mirrored).store(orientation);
+    corners.has_start &= ~overlapping_lanes(read, corners);
+    if (corners.has_start != 0) {
+        alignas(32) FloatLanes has_start{1};
+        const Starts starts(corners, share, vfloat::load(has_start) > zero, is_flat, zero);
+        TurnedOver{corners, placed, read.gaps, read.coarse_starts, tri.normal}.orient(rays, hits, starts.normal,
+                                                                                      orientation);
+    }
+    const NormalLanes normal(corners, tri, share, vfloat::load(orientation), is_flat,
+                             {placed.way[0], placed.way[1], placed.way[2]});
+    return (bits(normal.is_back) & 1) != 0;
+}
+
 }  // namespace occam::accel

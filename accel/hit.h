@@ -16,4 +16,7 @@ namespace occam::accel {
 void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const GridHit> met, const PhaseOneTools& tools,
              SurfaceHit* const* hits, bool are_first = true);
 
+/// Returns what SurfaceHit::back_side is for the hit of a ray if it is the ray's first. Phase one has run there.
+bool is_back_side(const Ray& ray, const RayAxes& axes, const GridHit& met, const FrameState& frame) noexcept;
+
 }  // namespace occam::accel

@@ -34,22 +34,38 @@ Place place_of(const Holes& holes, const Ray& ray, const GridHit& met, const Mic
     return place;
 }
 
+// Returns the hit of a ray in an igrid, as it would be if it counted.
+GridHit hit_of(const Holes& holes, int lane, float t, IGrid& on, std::uint32_t number) noexcept
+{
+    GridHit met{t, &on, number, {}, {}, 0};
+    if (on.blends()) met.blend = holes.blend(holes.levels, on.pairs.finest, static_cast<std::size_t>(lane));
+    if (on.segments > 0) met.time = lod::key_time(holes.rays[static_cast<std::size_t>(lane)].time, on.segments);
+    return met;
+}
+
 }  // namespace
+
+bool passes_back(const Holes& holes, int lane, float t, IGrid& on, std::uint32_t number) noexcept
+{
+    MicropolygonPlace spot;
+    spot.set({t, &on, number, {}, {}, 0});
+    return holes.frame.shading.filter->hides_back(*material_of(*holes.frame.scene, *on.cage, spot.face)) &&
+           is_back_side(holes.rays[static_cast<std::size_t>(lane)], holes.axes, hit_of(holes, lane, t, on, number),
+                        holes.frame);
+}
 
 bool passes_hole(const Holes& holes, int lane, float t, IGrid& on, std::uint32_t number) noexcept
 {
-    GridHit met{t, &on, number, {}, {}, 0};
+    if (passes_back(holes, lane, t, on, number)) return true;
     MicropolygonPlace spot;
-    spot.set(met);
+    spot.set({t, &on, number, {}, {}, 0});
     const Material& material = *material_of(*holes.frame.scene, *on.cage, spot.face);
     if (material.alpha_mode != AlphaMode::Mask) return false;
     const lod::HitFilter& filter = *holes.frame.shading.filter;
     const bool is_even = !material.base_color_texture && !material.alpha_texture && on.cage->slot->cage.colors.empty();
     if (is_even) return filter.is_hole(material, {}, Vec4f(1));
-    const Ray& ray = holes.rays[static_cast<std::size_t>(lane)];
-    if (on.blends()) met.blend = holes.blend(holes.levels, on.pairs.finest, static_cast<std::size_t>(lane));
-    if (on.segments > 0) met.time = lod::key_time(ray.time, on.segments);
-    const Place place = place_of(holes, ray, met, spot);
+    const Place place = place_of(holes, holes.rays[static_cast<std::size_t>(lane)], hit_of(holes, lane, t, on, number),
+                                 spot);
     return filter.is_hole(material, place.texture, place.color);
 }
 

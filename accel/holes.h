@@ -1,4 +1,5 @@
-// Lets rays pass the holes that alpha masks cut into surfaces, in the middle of a traversal.
+// Lets rays pass the holes that alpha masks cut into surfaces, and the backs that a frame hides, in the middle of a
+// traversal. Both are called holes here.
 //
 // A point that is nearer than the hit so far is asked about before it counts as a hit. The answer depends on the ray and on
 // the point alone, so it is the same in a packet, alone, in any tree and at any number of lanes.

@@ -128,7 +128,7 @@ struct GridSubject {
     const lod::PosedCage& cage;
     PairRange pairs;              ///< the pairs of levels whose rays see this igrid
     int level;                    ///< level of the fine positions; 0 for a mesh
-    bool may_have_holes = false;  ///< some material here has an alpha mask, and the frame has a filter (accel/holes.h)
+    bool may_have_holes = false;  ///< rays may pass some surface here while they are traced (accel/holes.h)
 };
 
 struct LatticeGrid;

@@ -6,6 +6,7 @@
 #include "accel/phase_one.h"
 #include "base/cancellation.h"
 #include "base/stopwatch.h"
+#include "lod/hit_filter.h"
 
 namespace occam::accel {
 namespace {
@@ -299,8 +300,7 @@ IGrid& Items::grid(ItemIndex i, int pair)
         const Stopwatch watch(counters_.dice_seconds);
         const auto micropolygons = [&] { return lattices_.micropolygons + meshes_.micropolygons; };
         const std::uint64_t before = micropolygons();
-        grid = build(item, {item.cage().diced(), pairs, level, frame_.shading.filter && has_masks(item, is_shared)},
-                     is_shared, tile);
+        grid = build(item, {item.cage().diced(), pairs, level, may_have_holes(item, is_shared)}, is_shared, tile);
         ++counters_.grids;
         const std::uint64_t made = micropolygons() - before;
         counters_.micropolygons += made;
@@ -312,16 +312,19 @@ IGrid& Items::grid(ItemIndex i, int pair)
     return *grid;
 }
 
-bool Items::has_masks(const Item& item, bool is_shared) const noexcept
+bool Items::may_have_holes(const Item& item, bool is_shared) const noexcept
 {
+    const lod::HitFilter* const filter = frame_.shading.filter;
+    if (!filter) return false;
     const lod::PosedCage& cage = item.cage();
-    const auto is_masked = [&](std::uint32_t face) {
-        return material_of(*frame_.scene, cage, face)->alpha_mode == AlphaMode::Mask;
+    const auto is_passed = [&](std::uint32_t face) {
+        const Material& material = *material_of(*frame_.scene, cage, face);
+        return material.alpha_mode == AlphaMode::Mask || filter->hides_back(material);
     };
     if (item.kind == Item::Faces)
-        return std::ranges::any_of(cage.clusters->faces(cage.clusters->node(item.index)), is_masked);
-    if (!is_shared) return is_masked(item.patch->ref.face);
-    return std::ranges::any_of(item.cluster->patches, is_masked, [](const PatchInfo& patch) { return patch.ref.face; });
+        return std::ranges::any_of(cage.clusters->faces(cage.clusters->node(item.index)), is_passed);
+    if (!is_shared) return is_passed(item.patch->ref.face);
+    return std::ranges::any_of(item.cluster->patches, is_passed, [](const PatchInfo& patch) { return patch.ref.face; });
 }
 
 IGrid* Items::build(const Item& item, const GridSubject& of, bool is_shared, const lod::TileRef& tile)

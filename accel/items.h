@@ -137,8 +137,8 @@ public:
     /// Returns a box, in the tree's frame, that holds such an igrid at a moment of the shutter: between its keys, the box
     /// that lies between those at the keys. Rounding between moments is not in it.
     Box3f box_at(const IGrid& grid, float time) const;
-    /// Returns whether some material of an item's igrid has an alpha mask.
-    bool has_masks(const Item& item, bool is_shared) const noexcept;
+    /// Returns whether rays may pass some surface of an item's igrid while they are traced (accel/holes.h).
+    bool may_have_holes(const Item& item, bool is_shared) const noexcept;
     /// Returns boxes that hold an item at the keys of the scene's shutter; between keys it is in the box that lies between
     /// them. They are empty if the item's one box stands for all times.
     std::span<const Box3f> key_boxes(ItemIndex i) const noexcept

@@ -204,7 +204,11 @@ void Narration::igrid(const RayAtGrid& at, std::span<const OfferedHit> offered, 
         write_place(out_, one, grid);
         out_ << ": U " << one.u * area << ", V " << one.v * area << ", W " << one.w * area;
         const auto hit = hit_of(one);
-        if (hit != offered.end()) out_ << (hit->is_hole ? ": a hole at t " : ": hit at t ") << world(hit->t) << '\n';
+        if (hit != offered.end())
+            out_ << (hit->is_hole   ? ": a hole at t "
+                     : hit->is_back ? ": a hidden back at t "
+                                    : ": hit at t ")
+                 << world(hit->t) << '\n';
         else if (!one.is_inside) out_ << ((one.u + one.v) + one.w == 0 ? ": edge-on, no hit\n" : ": missed\n");
         else if (is_gap(one.id)) out_ << ": no hit in double precision\n";
         else if (!(one.t > at.t_near && one.t <= at.t_end))

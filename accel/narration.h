@@ -25,6 +25,7 @@ struct OfferedHit {
     std::uint32_t id;
     float t;
     bool is_hole;  ///< the surface has a hole there, so the ray goes on
+    bool is_back;  ///< the ray goes on because it comes from behind, and the frame hides this back
 };
 
 /// Describes a ray at an igrid that it was tested against.
@@ -79,7 +80,11 @@ struct ObservedNearest : Nearest {
 
     void offer(int lane, float found, IGrid& on, std::uint32_t number)
     {
-        if (narration) offered.push_back({number, found, is_hole(lane, found, on, number)});
+        if (narration) {
+            const bool passes = is_hole(lane, found, on, number),
+                       from_behind = passes && passes_back(*holes, lane, found, on, number);
+            offered.push_back({number, found, passes && !from_behind, from_behind});
+        }
         Nearest::offer(lane, found, on, number);
     }
     void tested(int triangles) noexcept { cost.tests += static_cast<std::uint64_t>(triangles); }

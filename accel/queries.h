@@ -19,8 +19,10 @@ inline constexpr int kPacket = 2 * kLanes;
 
 /// Says where surfaces have holes for the rays of a query (accel/holes.h).
 struct Holes;
-/// Returns whether the ray in a lane passes a hole of the igrid's surface at that point.
+/// Returns whether the ray in a lane passes the igrid's surface at that point, through a hole or a hidden back.
 bool passes_hole(const Holes& holes, int lane, float t, IGrid& on, std::uint32_t number) noexcept;
+/// Returns whether it meets a back there that the frame hides.
+bool passes_back(const Holes& holes, int lane, float t, IGrid& on, std::uint32_t number) noexcept;
 
 /// Is what all queries have: igrids that may have holes are met only if `holes` is set.
 struct HoleQuery {

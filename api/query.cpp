@@ -12,7 +12,7 @@
 #include "base/error_without_file.h"
 #include "base/unit_vector.h"
 #include "render/camera_rays.h"
-#include "render/mask_filter.h"
+#include "render/hole_filter.h"
 #include "scenegraph/content_rules.h"
 
 namespace occam {
@@ -27,15 +27,15 @@ int checked_height(int height)
 
 // Holds the scene that queries ask about, as it was when they began.
 struct Asked {
-    /// masks   let rays pass the holes of surfaces, as they do in the picture
+    /// holes   let rays pass the holes of surfaces, as they do in the picture
     Asked(Scene& scene, const Camera& camera, int height, const std::shared_ptr<SharedTopologies>& topologies,
-          const TextureStore& textures, const render::MaskFilter& masks)
+          const TextureStore& textures, const render::HoleFilter& holes)
         : scale(scene.bounds()),
           lock(scene),
           tables(topologies, scene),
           frame(scene, tables.cache(), render::CameraRays(scale.placed(camera), height, height).levels(1),
                 {.textures = &textures,
-                 .shading = {nullptr, 1, scene.contents().has(Contents::Masked) ? &masks : nullptr},
+                 .shading = {nullptr, 1, holes.if_needed(scene.contents())},
                  .scale = scale,
                  .refuses_endless = false})
     {
@@ -121,7 +121,7 @@ struct Query::State {
         else textures.clear();
         refuse_bad_textures();
         camera = with_camera;
-        asked.emplace(scene, camera, height, topologies, textures, masks);
+        asked.emplace(scene, camera, height, topologies, textures, holes);
     }
     void end() noexcept
     {
@@ -223,7 +223,7 @@ struct Query::State {
     std::size_t memory_bytes;
     std::shared_ptr<SharedTopologies> topologies;
     TextureStore textures;  // of displacements and masks
-    const render::MaskFilter masks{textures};
+    const render::HoleFilter holes{textures};
     std::optional<Asked> asked;
     std::mutex mutex;  // guards the pool
     std::vector<std::unique_ptr<accel::Tracer>> idle;

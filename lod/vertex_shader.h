@@ -42,7 +42,7 @@ class HitFilter;
 struct VertexShading {
     const VertexShader* shader = nullptr;  ///< null: materials are looked up at hits
     float texture_width = 1;            ///< width of a hit's texture filter, in footprints; denser vertices filter no less
-    const HitFilter* filter = nullptr;  ///< lets rays pass the holes of alpha masks; null: surfaces have no holes
+    const HitFilter* filter = nullptr;  ///< lets rays pass the holes of alpha masks, and hidden backs; null: there are none
 };
 
 }  // namespace occam::lod

@@ -38,10 +38,10 @@ lod::LevelSettings levels_of(const Settings& settings, const FrameScale& scale, 
     return levels;
 }
 
-lod::VertexShading shading_of(const FrameInputs& in, const shade::PhaseOne& phase_one, const MaskFilter& masks)
+lod::VertexShading shading_of(const FrameInputs& in, const shade::PhaseOne& phase_one, const HoleFilter& holes)
 {
     return {in.settings.shade_at == ShadeAt::Vertex ? &phase_one : nullptr, sample_width(in.settings.spp),
-            in.scene.contents().has(Contents::Masked) ? &masks : nullptr};
+            holes.if_needed(in.scene.contents())};
 }
 
 // Sets the nearest and farthest camera z of the scene's box, which is in frame lengths.
@@ -78,8 +78,8 @@ FrameSetup::FrameSetup(const FrameInputs& in)
       lights(lights_of(in, scale)),
       context{in.settings, camera, sampler, filter, lights, in.textures, in.scene.contents().has(Contents::Passing)},
       phase_one(in.textures),
-      masks(in.textures),
-      frame(in.scene, in.topologies, levels, {&in.textures, shading_of(in, phase_one, masks), scale, in.resources.tree})
+      holes(in.textures, !in.settings.back_faces),
+      frame(in.scene, in.topologies, levels, {&in.textures, shading_of(in, phase_one, holes), scale, in.resources.tree})
 {
     context.scene = &in.scene;
     context.scale = scale;

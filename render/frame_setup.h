@@ -3,8 +3,8 @@
 
 #include "accel/frame.h"
 #include "render/frame.h"
+#include "render/hole_filter.h"
 #include "render/integrator.h"
-#include "render/mask_filter.h"
 #include "scenegraph/frame_scale.h"
 #include "shade/material_values.h"
 
@@ -28,7 +28,7 @@ struct FrameSetup {
     shade::FrameLights lights;
     FrameContext context;
     shade::PhaseOne phase_one;
-    MaskFilter masks;
+    HoleFilter holes;
     accel::Frame frame;
 };
 

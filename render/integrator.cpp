@@ -28,8 +28,7 @@ Integrator::Integrator(const FrameContext& context)
       has_mattes_(context.settings.has(Aov::CryptomatteObject) || context.settings.has(Aov::CryptomatteMaterial)),
       shows_cost_(shows_cost(context.settings.view)),
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
-      shadows_(context.textures, context.scale,
-               {context.may_pass || !context.settings.back_faces, !context.settings.back_faces, texture_width_}),
+      shadows_(context.textures, context.scale, {context.may_pass, texture_width_}),
       eye_body_(context.textures, texture_width_),
       seeks_eye_body_(context.may_start_in_body && context.settings.view == View::Beauty &&
                       context.settings.integrator != IntegratorKind::Ao)
@@ -256,10 +255,6 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     // later.
     if (!path.is_camera()) cross_lights(path, ray, hit.t, result);
     path.throughput *= left_by_body(path.absorption, hit.t - start_of(ray));
-    if (!settings.back_faces && is_culled(hit)) {
-        if (context_.log) context_.log->culled();
-        return pass_straight(i, path, hit.t, {Vec3f(1), path.coverage, 1, path.absorption}, sample);
-    }
 
     counters_.hits_looked_up += hit.phase_one_channels == 0;
     const shade::ShadePoint point = shade_point(ray, hit, texture_width_);

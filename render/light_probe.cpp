@@ -5,8 +5,8 @@
 
 #include "accel/frame.h"
 #include "base/luminance.h"
+#include "render/hole_filter.h"
 #include "render/integrator.h"
-#include "render/mask_filter.h"
 
 namespace occam::render {
 namespace {
@@ -66,8 +66,8 @@ std::vector<Glimpse> small_picture(const FrameInputs& in, const FrameScale& scal
     context.may_start_in_body = in.scene.contents().has(Contents::Absorbing);
     context.scale = scale;
     context.shadow_batch = in.memory.shadow_batch;
-    const MaskFilter masks(in.textures);
-    const lod::VertexShading shading{nullptr, 1, in.scene.contents().has(Contents::Masked) ? &masks : nullptr};
+    const HoleFilter holes(in.textures, !settings.back_faces);
+    const lod::VertexShading shading{nullptr, 1, holes.if_needed(in.scene.contents())};
     const accel::Frame frame(in.scene, in.topologies, camera.levels(settings.shading_rate),
                              {.textures = &in.textures, .shading = shading, .scale = scale});
     accel::Tracer tracer(frame, in.memory.tracer_bytes);

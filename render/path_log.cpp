@@ -81,8 +81,6 @@ void PathLog::surface(const Path& path, const accel::SurfaceHit& hit, const shad
     out_ << '\n';
 }
 
-void PathLog::culled() { out_ << "surface: the back of a single-sided surface, which is passed\n"; }
-
 void PathLog::added(std::string_view what, Vec3f radiance) { out_ << "  " << what << " adds " << radiance << '\n'; }
 
 void PathLog::light_sample(Vec3f direction, float t_far, Vec3f radiance)

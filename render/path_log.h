@@ -38,8 +38,6 @@ public:
 
     /// Writes what is shaded at a hit.
     void surface(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface);
-    /// Writes that a single-sided surface is passed from behind.
-    void culled();
     /// Writes light that the path adds to its sample without a ray.
     void added(std::string_view what, Vec3f radiance);
     /// Writes a sample of a light, whose shadow ray is traced later. radiance is what it adds if nothing is in the way.

@@ -103,9 +103,7 @@ void ShadowQueue::collect_blocked()
 
 bool ShadowQueue::passes(Blocked& of, accel::Ray& ray, const accel::SurfaceHit& hit, std::span<const float> luck)
 {
-    const shade::StraightPass pass = rules_.culls && is_culled(hit)
-                                         ? shade::StraightPass{Vec3f(1)}
-                                         : shade::passes_straight(shade_point(ray, hit, rules_.texture_width), textures_);
+    const shade::StraightPass pass = shade::passes_straight(shade_point(ray, hit, rules_.texture_width), textures_);
     const Vec3f transmittance = pass.transmittance * left_by_body(of.absorption, hit.t - start_of(ray), scale_);
     if (pass.is_straight) of.absorption = hit.back_side ? Vec3f(0) : pass.absorption_inside;
     Shadow& shadow = shadows_[of.shadow];

@@ -37,12 +37,6 @@ inline float passing_chance(float share, int passed) noexcept
     return std::min(share / std::clamp(float(passed - kCertainPasses) * kPerSurface, kLeastShare, 1.0f), 1.0f);
 }
 
-/// Returns true for the back of a single-sided surface, for Settings::back_faces = false.
-inline bool is_culled(const accel::SurfaceHit& hit) noexcept
-{
-    return hit.back_side && shade::is_single_sided(*hit.material);
-}
-
 /// Returns the rest of a ray behind a hit. The interval is open at its near end, so rounding of t cannot find the hit
 /// again.
 accel::Ray behind(accel::Ray ray, float t) noexcept;
@@ -51,7 +45,6 @@ class ShadowQueue {
 public:
     struct Rules {
         bool may_pass;        ///< a ray that hits a surface may continue behind it
-        bool culls;           ///< the backs of single-sided surfaces let rays pass
         float texture_width;  ///< width of the texture filter, in pixels
     };
     ShadowQueue(const TextureStore& textures, const FrameScale& scale, const Rules& rules) noexcept

@@ -1,4 +1,5 @@
-// Tests that rays pass the holes of alpha masks within their traversal: they hit what repeated rays from hole to hole would.
+// Tests that rays pass the holes of alpha masks, and hidden backs, within their traversal: they hit what repeated rays from
+// hole to hole would.
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -13,15 +14,20 @@ namespace {
 
 using accel::TreeKind;
 
-// Cuts holes by the place, and everything where the vertex colour is clear.
+// Cuts holes by the place, and everything where the vertex colour is clear. May hide the backs of single-sided materials.
 class Checks final : public lod::HitFilter {
 public:
+    explicit Checks(bool hides_backs = false) : hides_backs_(hides_backs) {}
     bool is_hole(const Material&, const lod::VertexToShade& at, Vec4f color) const noexcept override
     {
         if (color.w < 0.5f) return true;
         EXPECT_EQ(at.uv_width[0], 0);
         return (int(std::floor(at.uv[0].x * 7)) + int(std::floor(at.uv[0].y * 5))) % 2 != 0;
     }
+    bool hides_back(const Material& material) const noexcept override { return hides_backs_ && !material.double_sided; }
+
+private:
+    bool hides_backs_;
 };
 
 void add_uvs(Cage& cage)
@@ -111,7 +117,9 @@ Answers answers_by_restarts(accel::Tracer& whole, std::span<const accel::Ray> ra
             if (!hit.is_hit()) break;
             ray.t_near = accel::behind(hit.t);
             const lod::VertexToShade at{{hit.uv[0], hit.uv[1]}, {}};
-            const bool is_hole = hit.material->alpha_mode == AlphaMode::Mask && checks.is_hole(*hit.material, at, hit.color);
+            const bool is_hole = (hit.back_side && checks.hides_back(*hit.material)) ||
+                                 (hit.material->alpha_mode == AlphaMode::Mask &&
+                                  checks.is_hole(*hit.material, at, hit.color));
             holes += is_hole;
             if (is_hole) continue;
             if (n == 0) {
@@ -144,9 +152,8 @@ void expect_same(const Answers& expected, const Answers& found, const std::strin
     }
 }
 
-void expect_restarts(Stage& stage, lod::LevelMode mode, bool moves)
+void expect_restarts(Stage& stage, lod::LevelMode mode, bool moves, const Checks& checks = Checks())
 {
-    const Checks checks;
     const accel::Frame whole = frame_of(stage, nullptr, TreeKind::Auto, mode);
     const std::vector<accel::Ray> rays = rays_at(stage.scene.bounds(), moves);
     accel::Tracer restarted(whole, kPlenty);
@@ -186,13 +193,13 @@ TEST(Holes, AreNamedWhereARayIsObserved)
 {
     Stage stage;
     add_leaves(stage.scene);
-    const Checks checks;
+    const Checks checks(true);
     const accel::Frame frame = frame_of(stage, &checks, TreeKind::Auto, lod::LevelMode::PerRay);
     const std::vector<accel::Ray> rays = rays_at(stage.scene.bounds(), false);
     accel::Tracer tracer(frame, kPlenty), observer(frame, kPlenty);
     std::vector<accel::SurfaceHit> hits(rays.size());
     tracer.closest(rays, hits);
-    int named = 0;
+    int named = 0, backs = 0;
     for (std::size_t i = 0; i < rays.size(); i += 17) {
         std::ostringstream out;
         accel::SurfaceHit hit;
@@ -200,23 +207,70 @@ TEST(Holes, AreNamedWhereARayIsObserved)
         ASSERT_TRUE(same(hits[i], hit)) << "ray " << i;
         ASSERT_EQ(out.str().find("WAS NOT TESTED"), std::string::npos) << out.str();
         named += out.str().find(": a hole at t ") != std::string::npos;
+        backs += out.str().find(": a hidden back at t ") != std::string::npos;
     }
     EXPECT_GT(named, 0);
+    EXPECT_GT(backs, 0);
+}
+
+// Lets the nodes move to and fro while the shutter is open.
+void move_nodes(Scene& scene, const std::vector<NodeId>& nodes)
+{
+    std::vector<Mat4d> places;
+    for (const NodeId id : nodes) places.push_back(scene.node(id).parent_from_node);
+    scene.record_shutter(2, [&](double tau) {
+        for (std::size_t k = 0; k < nodes.size(); ++k) {
+            const Trs moves{.translation = {0.3 * tau * std::cos(double(k)), 0.2 * tau, 0.3 * tau * std::sin(double(k))}};
+            scene.set_transform(nodes[k], moves.matrix() * places[k]);
+        }
+    });
 }
 
 TEST(Holes, ArePassedAtTheTimeOfEachRayWhereThingsMove)
 {
     Stage stage;
-    const std::vector<NodeId> leaves = add_leaves(stage.scene);
-    std::vector<Mat4d> places;
-    for (const NodeId id : leaves) places.push_back(stage.scene.node(id).parent_from_node);
-    stage.scene.record_shutter(2, [&](double tau) {
-        for (std::size_t k = 0; k < leaves.size(); ++k) {
-            const Trs moves{.translation = {0.3 * tau * std::cos(double(k)), 0.2 * tau, 0.3 * tau * std::sin(double(k))}};
-            stage.scene.set_transform(leaves[k], moves.matrix() * places[k]);
-        }
-    });
+    move_nodes(stage.scene, add_leaves(stage.scene));
     expect_restarts(stage, lod::LevelMode::PerRay, true);
+}
+
+// Adds a surface of two sides and mirrored surfaces to the leaves.
+std::vector<NodeId> add_leaves_of_two_sides(Scene& scene)
+{
+    std::vector<NodeId> nodes = add_leaves(scene);
+    Material thin;
+    thin.double_sided = true;
+    Cage of_two_sides = torus();
+    of_two_sides.materials = {scene.add(thin)};
+    nodes.push_back(place(scene, scene.add(of_two_sides), {0.5, 1.5, 0.5}, 0.6));
+    const CageId sheet = scene.add(floor_of(scene.add(Material()), Scheme::Triangles)), ring = scene.add(torus(9, 5));
+    for (const double mirror : {1.0, -1.0}) {
+        const auto add = [&](CageId cage, Vec3d at, double size) {
+            NodeDesc desc;
+            desc.place.translation = at;
+            desc.place.scale = Vec3d(mirror, 1, 1) * size;
+            desc.cages = {cage};
+            nodes.push_back(scene.add_node(scene.root(), desc));
+        };
+        add(sheet, {0, 0.9 + 0.1 * mirror, 0}, 0.8);
+        add(ring, {-0.4, 0.8, mirror}, 0.9);
+    }
+    return nodes;
+}
+
+TEST(Holes, HiddenBacksArePassedLikeHoles)
+{
+    for (const lod::LevelMode mode : {lod::LevelMode::PerRay, lod::LevelMode::PerInstance}) {
+        Stage stage;
+        add_leaves_of_two_sides(stage.scene);
+        expect_restarts(stage, mode, false, Checks(true));
+    }
+}
+
+TEST(Holes, HiddenBacksArePassedAtTheTimeOfEachRayWhereThingsMove)
+{
+    Stage stage;
+    move_nodes(stage.scene, add_leaves_of_two_sides(stage.scene));
+    expect_restarts(stage, lod::LevelMode::PerRay, true, Checks(true));
 }
 
 // Sheets of which nothing is left change no picture, and no ray is shot again behind them.
