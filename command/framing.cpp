@@ -59,7 +59,7 @@ bool set_environment(Scene& scene, const RenderArguments& a)
     if (!a.environment.empty()) {
         require_environment(a);
         Texture image;
-        image.name = a.environment.filename().string();
+        image.name = a.environment.string();
         image.path = a.environment;
         scene.environment = {Vec3f(1), scene.add(std::move(image)), 0};
     }

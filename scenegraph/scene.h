@@ -48,7 +48,7 @@ struct NodeDesc {
     LightId light{};
     CameraId camera{};
     SkinId skin{};  ///< its joints place the skinned cages, and this node's own transform does not count for them, unless
-                    ///< it is singular: then nothing is seen of them
+                    ///< it or that of a node above is singular: then nothing is seen of them
     std::vector<float> morph_weights{};  ///< empty: the cage's own
     bool visible = true;                 ///< false hides the subtree below its parent; its instances stay visible
     std::uint8_t seen_by =

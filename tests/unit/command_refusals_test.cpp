@@ -85,6 +85,17 @@ TEST_F(Refusals, OfFilesThatCannotBeReadGiveTheReason)
     expect_refusal({"info", "closed"}, "closed: is a folder; name a scene file in it");
 }
 
+TEST_F(Refusals, OfEnvironmentsNameThemAsTheUserDoes)
+{
+    fs::create_directory(folder / "skies");
+    std::ofstream(folder / "skies" / "bad.hdr") << "no image";
+    for (const std::string& name : {std::string("skies/bad.hdr"), (folder / "skies" / "bad.hdr").string()}) {
+        const Outcome o = run({"render", "triangle.obj", "-o", "b.png", "--environment", name});
+        EXPECT_EQ(o.exit_code, kBadInput) << name;
+        EXPECT_TRUE(o.err.starts_with("occam: " + name + ": not an image of a format that is read")) << o.err;
+    }
+}
+
 // Such a file may have no end, or wait for a writer for ever.
 TEST_F(Refusals, OfEnvironmentsThatAreNoFilesComeBeforeTheyAreRead)
 {
