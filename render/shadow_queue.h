@@ -18,7 +18,6 @@
 #include "render/body_absorption.h"
 #include "render/passing_rays.h"
 #include "render/path.h"
-#include "shade/surface.h"
 
 namespace occam::render {
 
