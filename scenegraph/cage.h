@@ -70,7 +70,9 @@ struct Displacement {
     };
     TextureUse texture;
     float scale = 0, midlevel = 0.5f;
-    float bound = 0;  ///< no point moves farther; bounds of the surface are grown by it
+    /// No point moves farther. Bounds of the surface are grown by it on all sides, so rays that are much finer than the
+    /// bound look at much that they do not meet: it is best as small as the texture allows.
+    float bound = 0;
     Space space = Space::Normal;
 };
 

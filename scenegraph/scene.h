@@ -1,8 +1,9 @@
 // The scene graph: nodes and what they hold. The application owns it and may change it between any two frames.
 //
 // An edit of a node costs its path to the root, up to which it marks bounds as dirty; what places a node below another one
-// looks for circles as well, and what writes, replaces or copies contents costs as much as these hold. A renderer borrows
-// the scene for a frame, refits what is dirty before the first tile, and writes nothing else to it.
+// looks for circles as well, and what writes, replaces or copies contents costs as much as these hold, and as there are
+// nodes that show them. A renderer borrows the scene for a frame, refits what is dirty before the first tile, and writes
+// nothing else to it.
 //
 // Space    a node's transform is relative to its parent; the root's axes are world axes. They are right-handed, with y up by
 //          convention only.

@@ -222,7 +222,8 @@ struct FirstHit {
 /// and everything that no vertex position can change is kept in between.
 ///
 /// Memory   at most `memory_bytes` for each thread that asks at the same time, or what a single ray needs if that is more
-///          (some megabytes). With a small budget questions take longer, and have the same answers.
+///          (some megabytes, but up to 1.5 GB where it is much finer than a displacement's bound). With a small budget
+///          questions take longer, and have the same answers.
 /// Threads  any number of threads may call the const functions at once; begin() and end() need to be called alone.
 /// Errors   in a scene with displacements or masks, begin() and questions throw Error if a texture cannot be read.
 class Query {
