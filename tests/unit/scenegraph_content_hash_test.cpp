@@ -107,6 +107,7 @@ TEST(ContentHash, TellsEditsApart)
         [](HashedScene& s) { s.scene.set_visible(s.hidden, true); },
         [](HashedScene& s) { s.scene.set_seen_by(s.square, 1); },
         [](HashedScene& s) { s.scene.set_lit_by(s.square, 1); },
+        [](HashedScene& s) { s.scene.add_node(s.group, {}); },  // also what holds nothing
         [](HashedScene& s) { s.scene.add_node(s.group, {.instance_of = s.hidden}); },
         [](HashedScene& s) { s.scene.add_node(s.square, {.instance_of = s.hidden}); },
         [](HashedScene& s) { s.scene.set_materials(s.square, {s.scene.add(Material{})}); },

@@ -137,8 +137,9 @@ public:
     Image render(Scene& scene, const Camera& camera, const Settings& settings = {});
     /// Starts a frame and returns without waiting for it. `checkpoint` may hold what Job::checkpoint() returned for the same
     /// scene, camera and settings: the frame then continues from there, and its picture has the same bits as one that was
-    /// never stopped. The job fails if the checkpoint belongs to another picture. Scenes are compared by a hash over all
-    /// that they show; of an image in a file it knows the path, and of a cage on demand its name, bounds and materials.
+    /// never stopped. The job fails if the checkpoint belongs to another picture. Scenes are compared by a hash over
+    /// the environment, all visible nodes in their order, also such as hold nothing, and what they hold; of an image in a
+    /// file it knows the path, and of a cage on demand its name, bounds and materials.
     /// Throws what render() throws, and Error if the system gives no thread for the frame; render() does without one.
     Job start(Scene& scene, const Camera& camera, const Settings& settings = {}, std::string checkpoint = {});
     /// Traces one sample of the picture that render() would make, and writes to `out` what each of its rays does and how
