@@ -99,8 +99,9 @@ public:
 
     /// Reads the head, and as much as shows that the end of the picture is there. Throws Error if it is not.
     static PictureHead read_head(const std::filesystem::path& file);
-    /// Reads a picture of any format that textures may have. Colours are made linear, and multiplied by alpha, as
-    /// docs/files.md says. Throws Error.
+    /// Reads the layers of a picture of any format that textures may have, and where they lie in the frame. Colours are made
+    /// linear, and multiplied by alpha, as docs/files.md says. What else the head says is not read: there are no attributes,
+    /// and is_light is true. Throws Error.
     static Image read(const std::filesystem::path& file);
 
 private:
