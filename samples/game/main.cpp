@@ -80,11 +80,12 @@ int play(Game& game, Settings settings)
 struct Words {
     std::vector<std::filesystem::path> files;
     bool headless = false;
+    std::string only_headless;  ///< the last option that is for --headless alone
     int frames = 100, width = 640, height = 360, spp = 4;
     std::filesystem::path picture = "game.png";
 
     /// Reads the command line. Returns false if help was asked for, which is then printed. Throws Error for an unknown
-    /// option.
+    /// option, and for one that does nothing in a window.
     bool read(int argc, char** argv)
     {
         if (sample::Arguments(argc, argv)
@@ -95,12 +96,18 @@ struct Words {
             const char* value = i + 1 < argc ? argv[i + 1] : "";
             int end = 0;
             if (word == "--headless") headless = true;
-            else if (word == "--frames" && std::sscanf(value, "%d%n", &frames, &end) == 1 && !value[end] && frames > 0) ++i;
+            else if (word == "--frames" && std::sscanf(value, "%d%n", &frames, &end) == 1 && !value[end] && frames > 0)
+                ++i, only_headless = word;
             else if (word == "--size" && std::sscanf(value, "%dx%d%n", &width, &height, &end) == 2 && !value[end]) ++i;
-            else if (word == "-o" && *value) picture = argv[++i];
+            else if (word == "-o" && *value) picture = argv[++i], only_headless = word;
             else if (word[0] != '-') files.emplace_back(word);
             else throw Error("", "is not understood here (--help)", word + (*value ? std::string(" ") + value : ""));
         }
+#ifdef OCCAM_HAS_SDL2
+        if (!headless && !only_headless.empty())
+            throw Error("", "would do nothing without --headless: a window stays until it is closed (--help)",
+                        only_headless);
+#endif
         return true;
     }
 };
