@@ -71,7 +71,8 @@ Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose,
                       int height, int segments)
 {
     if (height < 1 || height > render::kMaxSide)
-        throw error_without_file("it must be from 1 to " + std::to_string(render::kMaxSide) + " pixels", "image height");
+        throw error_without_file(
+            "it must be from 1 to " + std::to_string(render::kMaxSide) + " pixels, not " + std::to_string(height), "height");
     if (!pose) throw error_without_file("a shutter needs something that poses the scene");
     if (!camera) throw error_without_file("a shutter needs something that returns the camera");
     constexpr double kPixels = 0.25;

@@ -21,7 +21,9 @@ namespace {
 int checked_height(int height)
 {
     if (height < 1 || height > render::kMaxSide)
-        throw error_without_file("it must be from 1 to " + std::to_string(render::kMaxSide) + " pixels", "image height");
+        throw error_without_file(
+            "it must be from 1 to " + std::to_string(render::kMaxSide) + " pixels, not " + std::to_string(height),
+            "image_height");
     return height;
 }
 
@@ -294,7 +296,8 @@ std::optional<Hit> Query::pick(double x, double y, int width) const
 {
     const Asked& about = state_->asked_about();
     if (width < 1 || width > render::kMaxSide)
-        throw error_without_file("it must be from 1 to " + std::to_string(render::kMaxSide) + " pixels", "image width");
+        throw error_without_file(
+            "it must be from 1 to " + std::to_string(render::kMaxSide) + " pixels, not " + std::to_string(width), "width");
     if (!std::isfinite(x) || !std::isfinite(y)) return {};
     Camera placed = about.scale.placed(state_->camera);
     placed.lens.radius = 0;  // the ray through the middle of the lens, which does not end at the plane of focus

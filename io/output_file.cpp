@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/error_without_file.h"
 #include "base/number_in.h"
 #include "io/output_place.h"
 
@@ -259,6 +260,7 @@ void check_folder(const fs::path& file)
 {
     std::error_code error;
     const fs::path folder = folder_of(file);
+    if (file.empty()) throw error_without_file("the name of the file is empty", {}, Error::Kind::Output);
     if (file.filename().empty()) refuse_output(file, "is the name of a folder, not of a file");
     if (!fs::is_directory(folder, error)) refuse_output(file, "cannot be written: there is no folder " + folder.string());
     if (access(folder.c_str(), W_OK) != 0)

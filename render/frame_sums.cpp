@@ -167,7 +167,7 @@ std::string FrameSums::checkpoint(std::uint64_t scene_hash) const
 
 void FrameSums::restore(std::string_view checkpoint, std::uint64_t scene_hash)
 {
-    if (!checkpoint.starts_with(kMagic)) refuse("is not a checkpoint of this version");
+    if (!checkpoint.starts_with(kMagic)) refuse("was not made by this version");
     std::uint64_t sum = 0;
     if (checkpoint.size() < kMagic.size() + sizeof sum) refuse("is cut off");
     std::memcpy(&sum, checkpoint.data() + checkpoint.size() - sizeof sum, sizeof sum);

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/error_without_file.h"
 #include "io/encoded_bytes.h"
 #include "io/exr_file.h"
 #include "io/extensions.h"
@@ -285,6 +286,7 @@ const PictureFormat* picture_format_of(const fs::path& file) { return find_by_ex
 
 const PictureFormat& required_picture_format(const fs::path& file)
 {
+    if (file.empty()) throw error_without_file("the name of the file is empty", {}, Error::Kind::Output);
     if (file.filename().empty()) refuse(file, "is the name of a folder, not of a file");
     if (const PictureFormat* const format = picture_format_of(file)) return *format;
     throw Error(file.string(),

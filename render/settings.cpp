@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "base/error_without_file.h"
@@ -26,6 +27,14 @@ double in_pixels(float share, int side) noexcept
     return std::abs(exact - border) <= side * 0x1p-24 ? border : exact;
 }
 
+std::string crop_text(const Settings& s)
+{
+    char text[96];
+    std::snprintf(text, sizeof text, "%.9g,%.9g,%.9g,%.9g", double(s.crop_x0), double(s.crop_x1), double(s.crop_y0),
+                  double(s.crop_y1));
+    return text;
+}
+
 }  // namespace
 
 bool shows_cost(View view) noexcept
@@ -39,8 +48,8 @@ Resources Resources::resolved() const
     Resources r = *this;
     using accel::TreeKind;
     require(tree == TreeKind::Auto || tree == TreeKind::Kd || tree == TreeKind::Bvh, "tree", "expected a kind of tree");
-    require(threads >= 0, "threads", "expected 0 or more");
-    require(workers_a_tree >= 0, "workers a tree", "expected 0 or more");
+    require(threads >= 0, "threads", "expected 0 or more, not " + std::to_string(threads));
+    require(workers_a_tree >= 0, "workers_a_tree", "expected 0 or more, not " + std::to_string(workers_a_tree));
     if (r.threads == 0) r.threads = processor_count();
     if (r.workers_a_tree == 0 || r.workers_a_tree > r.threads) r.workers_a_tree = r.threads;
     if (r.memory_bytes == 0) {
@@ -67,26 +76,27 @@ PixelRect crop_pixels(const Settings& s) noexcept
 
 void check(const Settings& s)
 {
-    const auto sides = "expected from 1 to " + std::to_string(kMaxSide) + " pixels a side";
+    const auto sides = "expected from 1 to " + std::to_string(kMaxSide) + " pixels a side, not " + std::to_string(s.width) +
+                       'x' + std::to_string(s.height);
     require(s.width >= 1 && s.width <= kMaxSide && s.height >= 1 && s.height <= kMaxSide, "size", sides);
     const auto is_range = [](float a, float b) { return a >= 0 && a < b && b <= 1; };
     require(is_range(s.crop_x0, s.crop_x1) && is_range(s.crop_y0, s.crop_y1), "crop",
-            "expected shares of the frame with 0 <= X0 < X1 <= 1 and 0 <= Y0 < Y1 <= 1");
+            "expected shares of the frame with 0 <= X0 < X1 <= 1 and 0 <= Y0 < Y1 <= 1, not " + crop_text(s));
     const PixelRect crop = crop_pixels(s);
-    require(std::int64_t(crop.width()) * crop.height() <= kMaxPixels, "size",
-            "expected at most " + std::to_string(kMaxPixels) + " pixels in one picture");
+    const std::int64_t pixels = std::int64_t(crop.width()) * crop.height();
+    require(pixels <= kMaxPixels, "size",
+            "expected at most " + std::to_string(kMaxPixels) + " pixels in one picture, not " + std::to_string(pixels));
     for (const SettingRow& row : kSettings) {
         const auto is_in_range = [&]<class T>(T Settings::*member) {
             if constexpr (std::is_enum_v<T>) return !name_of(s.*member).empty();
             else if constexpr (std::is_same_v<T, bool>) return true;
             else return double(s.*member) >= row.least && double(s.*member) <= row.most;
         };
-        std::string name(row.name);
-        std::replace(name.begin(), name.end(), '_', ' ');
-        if (!std::visit(is_in_range, row.member)) {
-            const std::string range = range_of(row);
-            throw error_without_file("expected " + (range.empty() ? "one of the choices that it has" : range), name);
-        }
+        if (std::visit(is_in_range, row.member)) continue;
+        const std::string range = range_of(row);
+        throw error_without_file(
+            range.empty() ? "expected one of the choices that it has" : "expected " + range + ", not " + text_of(row, s),
+            std::string(row.name));
     }
     check(s.shutter);
     AovSet layers;

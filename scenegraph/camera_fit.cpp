@@ -29,7 +29,7 @@ Vec3d direction_of(ViewFrom side)
         case ViewFrom::Bottom:
             return {0, -1, 0};
     }
-    throw error_without_file("there is no such side", "view from");
+    throw error_without_file("there is no such side", "ViewFrom");
 }
 
 }  // namespace

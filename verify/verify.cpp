@@ -71,14 +71,18 @@ void test_each_size(const ShownCage& shown, const VerifySettings& settings, cons
 void check(const VerifySettings& settings)
 {
     if (settings.rays > kMostVerifyRays)
-        throw error_without_file("there can be at most " + std::to_string(kMostVerifyRays) + " rays for each cage", "rays");
+        throw error_without_file("there can be at most " + std::to_string(kMostVerifyRays) + " rays for each cage, not " +
+                                     std::to_string(settings.rays),
+                                 "rays");
     const int rate = settings.largest_rate;
     if (rate < 1 || rate > kLargestVerifyRate || !std::has_single_bit(static_cast<unsigned>(rate)))
-        throw error_without_file("it must be a power of two from 1 to " + std::to_string(kLargestVerifyRate),
-                                 "largest rate");
+        throw error_without_file(
+            "it must be a power of two from 1 to " + std::to_string(kLargestVerifyRate) + ", not " + std::to_string(rate),
+            "largest_rate");
     if (!(settings.overlap_ulps >= 0 && settings.overlap_ulps <= kWidestVerifyOverlap))
-        throw error_without_file("it must be from 0 to " + std::to_string(static_cast<int>(kWidestVerifyOverlap)) + " ulps",
-                                 "overlap");
+        throw error_without_file("it must be from 0 to " + std::to_string(static_cast<int>(kWidestVerifyOverlap)) +
+                                     " ulps, not " + std::to_string(settings.overlap_ulps),
+                                 "overlap_ulps");
 }
 
 VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const VerifySettings& settings,

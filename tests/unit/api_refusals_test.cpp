@@ -236,6 +236,26 @@ TEST(Api, RefusalsOfSizesAreSentences)
     }
 }
 
+// A name that is neither a member nor an option cannot be looked up, and what is out of a range that is stated is named.
+TEST(Api, RefusalsNameTheMemberAndItsValue)
+{
+    Scene scene;
+    const Camera camera = framing(scene);
+    const auto refused = [&](const Settings& settings) {
+        return error_of([&] { Renderer().render(scene, camera, settings); });
+    };
+    EXPECT_EQ(refused({.filter_radius = 16.5f}), "expected from 0 to 16 pixels, not 16.5 (filter_radius)");
+    EXPECT_EQ(refused({.ao_distance = -1}), "expected 0 or more, world length, not -1 (ao_distance)");
+    EXPECT_EQ(refused({.width = 0, .height = 7}), "expected from 1 to 65536 pixels a side, not 0x7 (size)");
+    EXPECT_EQ(error_of([] { Renderer(Resources{.workers_a_tree = -2}); }), "expected 0 or more, not -2 (workers_a_tree)");
+    EXPECT_EQ(error_of([&] { Query(scene, camera, 0); }), "it must be from 1 to 65536 pixels, not 0 (image_height)");
+    Renderer renderer;
+    Job job = renderer.start(scene, camera, {.width = 4, .height = 4, .spp = 1}, "x");
+    EXPECT_EQ(error_of([&] { job.stats(); }), "the checkpoint was not made by this version");
+    EXPECT_EQ(error_of([] { Image::check_writable(""); }), "the name of the file is empty");
+    EXPECT_EQ(error_of([] { Image(1, 1).write(""); }), "the name of the file is empty");
+}
+
 TEST(Api, SettingsOfVerifyHaveRanges)
 {
     Scene scene;
@@ -248,10 +268,12 @@ TEST(Api, SettingsOfVerifyHaveRanges)
             EXPECT_NE(found.find(rule), std::string::npos) << found;
     };
     for (const int rate : {0, -1, 3, 512, 65536, std::numeric_limits<int>::max(), std::numeric_limits<int>::min()})
-        expect_refused({.largest_rate = rate}, "it must be a power of two from 1 to 256 (largest rate)");
+        expect_refused({.largest_rate = rate}, "it must be a power of two from 1 to 256, not ");
     for (const float overlap : {std::nanf(""), -1.0f, float(kInfinity), 1e30f})
-        expect_refused({.overlap_ulps = overlap}, "it must be from 0 to 65536 ulps (overlap)");
+        expect_refused({.overlap_ulps = overlap}, "it must be from 0 to 65536 ulps, not ");
     expect_refused({.rays = kMostVerifyRays + 1}, "there can be at most");
+    expect_refused({.largest_rate = 3}, "not 3 (largest_rate)");
+    expect_refused({.overlap_ulps = -1}, "(overlap_ulps)");
     for (const float overlap : {0.0f, kWidestVerifyOverlap}) {
         const VerifiedCage found = verify(cage, Mat4d(1), {.rays = 2'048, .largest_rate = 2, .overlap_ulps = overlap});
         EXPECT_TRUE(found.holds()) << overlap << ": " << found.escaped;

@@ -115,16 +115,21 @@ TEST_F(Refusals, OfNumbersComeBeforeTheyOverflow)
     std::ofstream(folder / "flat.gltf") << R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
 "nodes": [{"camera": 0}], "cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1,
 "aspectRatio": 1e-7}}]})";
-    const std::string size = "expected from 1 to 65536 pixels a side (size)",
-                      crop = "expected shares of the frame with 0 <= X0 < X1 <= 1 and 0 <= Y0 < Y1 <= 1 (crop)";
+    const auto size_of = [](const std::string& name) {
+        return "expected from 1 to 65536 pixels a side, not " + name + " (size)";
+    };
+    const auto crop_of = [](const std::string& shares) {
+        return "expected shares of the frame with 0 <= X0 < X1 <= 1 and 0 <= Y0 < Y1 <= 1, not " + shares + " (crop)";
+    };
     ASSERT_EQ(run({"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0", "--size", "4x4", "--spp", "1"}).exit_code,
               kDone);
     for (const char* name : {"1x30000000", "2000000000x2000000000", "1x65537"}) {
-        expect_refusal({"render", "triangle.obj", "-o", "b.png", "--size", name}, size);
-        expect_refusal({"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0", "--size", name}, size);
-        expect_refusal({"animate", "triangle.obj", "-o", "a.#.exr", "--frames", "0", "--size", name}, size);
+        expect_refusal({"render", "triangle.obj", "-o", "b.png", "--size", name}, size_of(name));
+        expect_refusal({"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0", "--size", name}, size_of(name));
+        expect_refusal({"animate", "triangle.obj", "-o", "a.#.exr", "--frames", "0", "--size", name}, size_of(name));
     }
-    for (const char* share : {"0,1e30,0,1", "-1e30,1,0,1", "0,1,0,1e38", "0,1,1e30,1e31"}) {
+    for (const char* share : {"0,1.00000002e+30,0,1", "-1.00000002e+30,1,0,1", "0,1,0,9.99999968e+37", "0,1,0.75,0.5"}) {
+        const std::string crop = crop_of(share);
         expect_refusal({"render", "triangle.obj", "-o", "b.png", std::string("--crop=") + share}, crop);
         expect_refusal(
             {"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0", "--size", "4x4", std::string("--crop=") + share},

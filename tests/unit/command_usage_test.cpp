@@ -35,7 +35,8 @@ TEST_F(CommandUsage, AMistakeIsOneLineThatSaysWhatToDo)
     expect({"render", "triangle.obj", "-o", "a.png", "--spp", "1", "--spp", "2"},
            "--spp is given more than once (occam render --help)");
     expect({"render", "triangle.obj"}, "--output is required (occam render --help)");
-    expect({"render", "triangle.obj", "-o", "a.png", "--size", "65537x1"}, "expected from 1 to 65536 pixels a side (size)");
+    expect({"render", "triangle.obj", "-o", "a.png", "--size", "65537x1"},
+           "expected from 1 to 65536 pixels a side, not 65537x1 (size)");
     expect({"animate", "triangle.obj", "-o", "a.#.png", "--frames", "999999-1000001"},
            "--frames: expected frames from 0 to 1000000 like 1-240, 1-240x10 or 1,5,9, not '999999-1000001' "
            "(occam animate --help)");

@@ -171,7 +171,7 @@ TEST(Settings, RefusesWhatIsOutOfRangeByName)
     EXPECT_NE(refused([](Settings& s) { s.crop_x1 = 0; }).find("crop"), std::string::npos);
     EXPECT_NE(refused([](Settings& s) { s.crop_y0 = NAN; }).find("crop"), std::string::npos);
     EXPECT_NE(refused([](Settings& s) { s.spp = 0; }).find("spp"), std::string::npos);
-    EXPECT_NE(refused([](Settings& s) { s.shading_rate = NAN; }).find("shading rate"), std::string::npos);
+    EXPECT_NE(refused([](Settings& s) { s.shading_rate = NAN; }).find("shading_rate"), std::string::npos);
     EXPECT_NE(refused([](Settings& s) { s.deadline_s = -1; }).find("deadline"), std::string::npos);
     // The clock could not add these to the present.
     EXPECT_NE(refused([](Settings& s) { s.deadline_s = 1e10; }).find("deadline"), std::string::npos);
