@@ -77,6 +77,8 @@ struct CompareArguments {
     std::filesystem::path heat;
     double heat_scale = 0;  ///< 0: the largest difference
     std::optional<double> max_mse, max_rmse, max_rel_mse, max_error, max_p999, min_psnr;
+
+    bool has_limit() const { return max_mse || max_rmse || max_rel_mse || max_error || max_p999 || min_psnr; }
 };
 
 /// Of what pictures need, only the scene's pose and shutter count.

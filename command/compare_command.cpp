@@ -64,14 +64,13 @@ int run(const CompareArguments& a)
     if (a.json) std::fputs(render::to_json(differences).c_str(), stdout);
     else std::for_each(differences.begin(), differences.end(), print);
 
-    const bool has_limit = a.max_mse || a.max_rmse || a.max_rel_mse || a.max_error || a.max_p999 || a.min_psnr;
-    if (judged == differences.end() && (has_limit || !a.heat.empty() || a.layer != CompareArguments().layer))
+    if (judged == differences.end() && (a.has_limit() || !a.heat.empty()))
         throw Error(a.a.string(), "has no such layer in common with " + a.b.string(), a.layer);
     if (!a.heat.empty()) {
         const double scale = a.heat_scale > 0 ? a.heat_scale : judged->max;
         render::heat_map(picture, reference, a.layer, scale).write(a.heat, {.tonemap = Tonemap::None});
     }
-    if (!has_limit) return 0;
+    if (!a.has_limit()) return 0;
     bool holds = meets_limits(a, *judged);
     // What a picture covers is a part of it. Its alpha has figures of its own.
     if (a.layer == CompareArguments().layer)

@@ -20,6 +20,12 @@ bool is_ao(const RenderArguments& a, const Given&) { return a.settings.integrato
 
 bool has_no_jitter(const RenderArguments& a, const Given&) { return !a.settings.jitter; }
 
+// Of commands that make no picture: what is strict concerns files alone there, and moments of scenes that do not move.
+bool has_nothing_strict(const RenderArguments& a, const Given&)
+{
+    return a.scene.empty() && a.output.empty() && !a.replay && !a.time && !a.frame;
+}
+
 // Of `occam render`. What is set for a picture may stay in the command, and what is set for its file may if the file does.
 bool is_one_sample(const RenderArguments& a, const Given&) { return a.replay.has_value(); }
 bool is_one_sample_without_file(const RenderArguments& a, const Given&) { return a.replay && a.output.empty(); }
@@ -54,6 +60,12 @@ struct Rule {
 };
 
 constexpr Rule kRules[] = {
+    {"--quality",
+     [](const RenderArguments&, const Given& given) { return given.contains("--spp") && given.contains("--shading-rate"); },
+     "--spp and --shading-rate are all that it sets"},
+    {"--progress", [](const RenderArguments& a, const Given&) { return a.quiet; }, "--quiet shows no progress"},
+    {"--share-tree", [](const RenderArguments& a, const Given&) { return a.resources.threads == 1; },
+     "--threads 1 is one worker, who has a tree of his own"},
     {"--stats", is_one_sample, kOneSample},
     {"--checkpoint", is_one_sample, kOneSample},
     {"--resume", is_one_sample, kOneSample},
@@ -81,8 +93,8 @@ constexpr Rule kRules[] = {
     {"--ao-distance", [](const RenderArguments& a, const Given&) { return a.settings.integrator != IntegratorKind::Ao; },
      "only --integrator ao looks for it"},
     {"--fps",
-     [](const RenderArguments&, const Given& given) {
-         return !given.contains("--frame") && !given.contains("--frames") && !given.contains("--shutter");
+     [](const RenderArguments& a, const Given& given) {
+         return !a.frame && !given.contains("--frames") && a.settings.shutter == Shutter{};
      },
      "it is the length of a frame, for --frame and --shutter"},
     {"--shutter",
@@ -92,6 +104,13 @@ constexpr Rule kRules[] = {
      "nothing moves without --frame, --time or --clip"},
     {"--shutter-segments", [](const RenderArguments& a, const Given&) { return !a.settings.shutter.is_open(); },
      "nothing moves while the shutter is open for one moment"},
+    {"--lod",
+     [](const RenderArguments& a, const Given& given) {
+         return a.settings.lod == render::Lod::Frozen && is_debug_view(a, given);
+     },
+     "frozen is about secondary rays, and a debug view has none"},
+    {"--clamp", [](const RenderArguments& a, const Given&) { return a.settings.bounces == 0; },
+     "with --bounces 0 no light is scattered twice"},
     {"--bounces", is_ao, kAo},
     {"--clamp", is_ao, kAo},
     {"--environment", is_ao, kAllSides},
@@ -112,6 +131,7 @@ constexpr Rule kRules[] = {
     {"--rays", is_one_ray, kOneRay},
     {"--json", is_one_ray, kOneRay},
     {"--variant", [](const RenderArguments& a, const Given&) { return a.scene.empty(); }, "the built-in scene is no file"},
+    {"--strict", has_nothing_strict, "the built-in scene is no file"},
 };
 
 }  // namespace
@@ -121,6 +141,13 @@ void refuse_idle(const RenderArguments& a, const Given& given)
     for (const Rule& rule : kRules)
         if (given.contains(rule.option) && rule.is_idle(a, given))
             throw std::invalid_argument(std::string(rule.option) + " would do nothing: " + rule.why);
+}
+
+void refuse_idle(const CompareArguments& a, const Given& given)
+{
+    if (given.contains("--layer") && !a.has_limit() && a.heat.empty())
+        throw std::invalid_argument(
+            "--layer would do nothing: without a limit (--max-rmse and others) or --heat all layers are measured");
 }
 
 void refuse_idle(const SceneArguments& a, const Given& given)

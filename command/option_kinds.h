@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "arguments.h"
 #include "values.h"
@@ -31,10 +32,14 @@ inline CLI::Option* add_value(CLI::App& app, const std::string& names, const std
     return option->type_name(form);
 }
 
-inline CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& what,
-                               std::function<void(double)> set)
+/// range   which numbers can be taken, as in "more than 0"
+/// set     takes the number, or returns false
+inline CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& what, const std::string& range,
+                               std::function<bool(double)> set)
 {
-    return add_value(app, name, what, "NUMBER", [set = std::move(set)](const std::string& t) { set(number_of(t)); });
+    return add_value(app, name, what, "NUMBER", [range, set = std::move(set)](const std::string& t) {
+        if (!set(number_of(t))) expected(range, t);
+    });
 }
 
 /// Adds an option whose value is a whole number, which may be written as 1e5.
@@ -50,9 +55,9 @@ CLI::Option* add_whole(CLI::App& app, const std::string& name, T& value, std::ui
 inline CLI::Option* add_amount(CLI::App& app, const std::string& name, const std::string& what,
                                std::function<void(double)> set)
 {
-    return add_number(app, name, what, [set = std::move(set)](double v) {
-        if (!(v >= 0)) throw std::invalid_argument("expected 0 or more");
-        set(v);
+    return add_number(app, name, what, "0 or more", [set = std::move(set)](double v) {
+        if (v >= 0) set(v);
+        return v >= 0;
     });
 }
 
@@ -69,7 +74,7 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, T& value, const 
     for (const auto& choice : choices) form += (form.empty() ? "" : "|") + choice.first;
     return add_value(app, name, what, form, [&value, choices, form](const std::string& text) {
         const auto found = choices.find(text);
-        if (found == choices.end()) throw std::invalid_argument("expected one of " + form + ", not '" + text + "'");
+        if (found == choices.end()) expected("one of " + form, text);
         value = found->second;
     });
 }
@@ -108,5 +113,15 @@ void add_replay(CLI::App& app, VerifyArguments& arguments);
 /// Add `occam compare` and `occam texture` (parse_pictures.cpp).
 CLI::App& add_compare(CLI::App& all, CompareArguments& arguments);
 CLI::App& add_texture(CLI::App& all, TextureArguments& arguments);
+
+/// Holds the words for the benchmark program.
+struct BenchWords {
+    std::vector<std::string> suites;
+    std::string only, json;
+    bool list = false;
+
+    BenchArguments arguments() const;
+};
+CLI::App& add_bench(CLI::App& all, BenchWords& bench);
 
 }  // namespace occam::command

@@ -51,7 +51,7 @@ void add_picture(CLI::App& app, RenderArguments& a)
     });
     add_value(app, "--quality", "A recipe: --spp 4, 16, 64 and --shading-rate 2, 1, 0.5", "fast|balanced|high",
               [](const std::string& t) {
-                  if (!kQualities.count(t)) throw std::invalid_argument("expected fast, balanced or high, not '" + t + "'");
+                  if (!kQualities.count(t)) expected("fast, balanced or high", t);
               });
     add_settings(app, s);
     std::string layers = "EXR layers: ";
@@ -70,7 +70,7 @@ void add_picture(CLI::App& app, RenderArguments& a)
               "X|auto", [&](const std::string& t) {
                   a.clamp_given = t != "auto";
                   s.clamp = a.clamp_given ? float(number_of(t)) : 0;
-                  if (!(s.clamp >= 0)) throw std::invalid_argument("expected 0 or more, or auto");
+                  if (!(s.clamp >= 0)) expected("0 or more, or auto", t);
               });
     add_value(app, "--environment",
               "Light from all around: an image, daylight, or none [the scene's own; daylight and a lamp if nothing shines]",
@@ -81,8 +81,8 @@ void add_picture(CLI::App& app, RenderArguments& a)
               });
     add_amount(app, "--environment-strength", "Factor of the environment's brightness [1]",
                [&](double v) { a.environment_strength = s.sky_strength = float(v); });
-    add_number(app, "--environment-rotation", "Rotation of the environment about +y, degrees [0]",
-               [&](double v) { a.environment_rotation_deg = float(v); });
+    add_value(app, "--environment-rotation", "Rotation of the environment about +y, degrees [0]", "NUMBER",
+              [&](const std::string& t) { a.environment_rotation_deg = float(number_of(t)); });
 }
 
 void add_camera(CLI::App& app, RenderArguments& a)
@@ -112,19 +112,18 @@ void add_camera(CLI::App& app, RenderArguments& a)
               "Which way is up, for --look-at and for framing; without --look-at a new camera is placed [z for STL, else y]",
               "x|y|z|X,Y,Z", [&](const std::string& t) { a.up = axis_of(t); })
         ->excludes(name);
-    add_number(app, "--fov", "Whole vertical angle, degrees", [&](double v) {
-        if (!(v >= 0.0006 && v <= 179.9)) throw std::invalid_argument("expected from 0.0006 to 179.9 degrees");
+    add_number(app, "--fov", "Whole vertical angle, degrees", "from 0.0006 to 179.9 degrees", [&](double v) {
         a.fov_deg = float(v);
+        return v >= 0.0006 && v <= 179.9;
     });
-    CLI::Option* lens = add_number(app, "--lens", "Radius of a thin lens, world length [a pinhole]", [&](double v) {
-        if (!(float(v) > 0)) throw std::invalid_argument("expected a length above 0");
-        a.lens_radius = float(v);
-    });
-    CLI::Option* focus = add_number(app, "--focus", "Distance of the plane in focus along the view, world length",
-                                    [&](double v) {
-                                        if (!(float(v) > 0)) throw std::invalid_argument("expected a length above 0");
-                                        a.focus = float(v);
-                                    });
+    const auto add_length = [&](const char* option, const char* what, float& length) {
+        return add_number(app, option, what, "a length above 0", [&length](double v) {
+            length = float(v);
+            return length > 0;
+        });
+    };
+    CLI::Option* lens = add_length("--lens", "Radius of a thin lens, world length [a pinhole]", a.lens_radius);
+    CLI::Option* focus = add_length("--focus", "Distance of the plane in focus along the view, world length", a.focus);
     lens->needs(focus);
     focus->needs(lens);
     const auto set_blades = [&](const std::string& t) { a.blades = corners_of(t); };
@@ -289,31 +288,6 @@ CLI::App& add_verify(CLI::App& app, VerifyArguments& verify)
     return command;
 }
 
-struct BenchWords {
-    std::vector<std::string> suites;
-    std::string only, json;
-    bool list = false;
-
-    BenchArguments arguments()
-    {
-        if (list) suites.push_back("--list");
-        if (!only.empty()) suites.insert(suites.end(), {"--only", only});
-        if (!json.empty()) suites.insert(suites.end(), {"--json", json});
-        return BenchArguments{suites};
-    }
-};
-
-CLI::App& add_bench(CLI::App& app, BenchWords& bench)
-{
-    CLI::App& command = *app.add_subcommand("bench", "Measure speed, beside other software, where benchmarks were built");
-    command.add_option("SUITE", bench.suites, "Suites to run [all]")->type_name("");
-    command.add_option("--only", bench.only, "Cases whose name or recipe has this text")->type_name("TEXT");
-    command.add_option("--json", bench.json, "Write the rows as JSON")->type_name("FILE");
-    command.add_flag("--list", bench.list, "List the suites");
-    command.footer("Example: occam bench crowd --only fast --json crowd.json");
-    return command;
-}
-
 // Reads the words of the command line. Returns how it has ended already, if it has.
 std::optional<Finished> read_words(CLI::App& app, int argc, char** argv)
 {
@@ -334,6 +308,7 @@ std::optional<Finished> read_words(CLI::App& app, int argc, char** argv)
     const std::span<char*> words(argv, static_cast<std::size_t>(argc));
     try {
         refuse_empty_values(words);
+        refuse_values_of_flags(named == commands.end() ? app : **named, words);
         app.parse(argc, argv);
         refuse_empty_values(*app.get_subcommands().front());
     } catch (const CLI::CallForHelp& help) {
@@ -375,7 +350,7 @@ Arguments parse(int argc, char** argv)
     CLI::App& animate_app = add_animate(app, animate);
     CLI::App& info_app = add_info(app, info);
     CLI::App& verify_app = add_verify(app, verify);
-    add_compare(app, compare);
+    CLI::App& compare_app = add_compare(app, compare);
     CLI::App& texture_app = add_texture(app, texture);
     CLI::App& bench_app = add_bench(app, bench);
     if (const auto finished_already = read_words(app, argc, argv)) return *finished_already;
@@ -391,9 +366,9 @@ Arguments parse(int argc, char** argv)
     if (bench_app.parsed()) return bench.arguments();
     if (info_app.parsed()) return all_have_effect(info_app, info) ? Arguments(info) : Finished{2};
     if (texture_app.parsed()) return texture;
+    if (compare_app.parsed()) return all_have_effect(compare_app, compare) ? Arguments(compare) : Finished{2};
     verify.command = words_of_scene({argv, static_cast<std::size_t>(argc)});
-    if (verify_app.parsed()) return all_have_effect(verify_app, verify) ? Arguments(verify) : Finished{2};
-    return compare;
+    return all_have_effect(verify_app, verify) ? Arguments(verify) : Finished{2};
 }
 
 }  // namespace occam::command

@@ -14,9 +14,9 @@ void add_clip(CLI::App& app, RenderArguments& a)
            "Animation by name or number, or all at once [if a frame or a time is given: the first, and all others that move "
            "other objects]")
         ->type_name("NAME|INDEX|all");
-    add_number(app, "--fps", "Frames a second [24]", [&](double v) {
-        if (!(v > 0)) throw std::invalid_argument("expected more than 0");
+    add_number(app, "--fps", "Frames a second [24]", "more than 0", [&](double v) {
         a.fps = v;
+        return v > 0;
     });
 }
 
@@ -30,8 +30,8 @@ void add_shutter(CLI::App& app, RenderArguments& a)
                                          a.settings.shutter = {n[0], n[1]};
                                          try {
                                              check(a.settings.shutter);
-                                         } catch (const Error& error) {
-                                             throw std::invalid_argument(error.what());
+                                         } catch (const Error&) {
+                                             expected("moments within a million frames, OPEN not after CLOSE", t);
                                          }
                                      });
     add_value(
@@ -41,7 +41,7 @@ void add_shutter(CLI::App& app, RenderArguments& a)
         "N",
         [&](const std::string& t) {
             const std::uint64_t n = whole_of(t, 1, kMaxShutterSegments);
-            if (!std::has_single_bit(n)) throw std::invalid_argument("expected 1, 2, 4, 8, 16 or 32");
+            if (!std::has_single_bit(n)) expected("1, 2, 4, 8, 16 or 32", t);
             a.shutter_segments = static_cast<int>(n);
         })
         ->needs(shutter);
@@ -51,14 +51,14 @@ void add_moment(CLI::App& app, RenderArguments& a)
 {
     CLI::Option* time = add_value(app, "--time", "Seconds on the clip's own axis [the file's pose]", "NUMBER",
                                   [&](const std::string& t) { a.time = real_of(t); });
-    CLI::Option* frame = add_value(
-        app, "--frame", "The same as a frame's number: time * fps", "N", [&](const std::string& t) {
-            constexpr double kMost = 1e9;
-            const double number = real_of(t);
-            if (std::fabs(number) > kMost || number != std::floor(number))
-                throw std::invalid_argument("expected a whole number from -1000000000 to 1000000000, not '" + t + "'");
-            a.frame = static_cast<int>(number);
-        });
+    CLI::Option* frame = add_value(app, "--frame", "The same as a frame's number: time * fps", "N",
+                                   [&](const std::string& t) {
+                                       constexpr double kMost = 1e9;
+                                       const double number = real_of(t);
+                                       if (std::fabs(number) > kMost || number != std::floor(number))
+                                           expected("a whole number from -1000000000 to 1000000000", t);
+                                       a.frame = static_cast<int>(number);
+                                   });
     frame->excludes(time);
 }
 

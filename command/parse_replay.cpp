@@ -11,7 +11,7 @@ void add_replay(CLI::App& app, CLI::Option& output, RenderArguments& a)
         "so --output is not needed",
         "X,Y[,S]", [&](const std::string& t) {
             const std::vector<std::string_view> words = words_of(t);
-            if (words.size() < 2 || words.size() > 3) throw std::invalid_argument("expected X,Y or X,Y,SAMPLE");
+            if (words.size() < 2 || words.size() > 3) expected("X,Y or X,Y,SAMPLE", t);
             const auto number = [&](std::size_t k) { return static_cast<int>(whole_of(words[k], 0, 0x7fffffff)); };
             a.replay = PixelSample{number(0), number(1), words.size() > 2 ? number(2) : 0};
             output.required(false);

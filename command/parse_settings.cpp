@@ -19,10 +19,9 @@ void add_setting(CLI::App& app, const render::SettingRow& row, T& value)
         const std::uint64_t most = row.most < 0x1p64 ? static_cast<std::uint64_t>(row.most) : ~std::uint64_t(0);
         add_whole(app, name, value, static_cast<std::uint64_t>(row.least), most, help);
     } else {
-        add_number(app, name, help, [&value, &row](double v) {
-            if (!(v >= row.least && v <= row.most))
-                throw std::invalid_argument(std::string("expected a number, ").append(render::range_of(row)));
+        add_number(app, name, help, "a number, " + render::range_of(row), [&value, &row](double v) {
             value = static_cast<T>(v);
+            return v >= row.least && v <= row.most;
         });
     }
 }

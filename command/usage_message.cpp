@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cctype>
 #include <string_view>
+#include <utility>
 
 #include "base/printable.h"
 
@@ -21,7 +22,42 @@ const CLI::Option* similar_option(const CLI::App& app, const std::string& word)
     return found;
 }
 
+bool is_flag(const CLI::Option& option) { return option.get_items_expected_max() == 0; }
+
+// Checks a word of one dash, in which each letter names an option, up to one whose value is the rest. Returns whether its
+// value is the next word.
+bool check_letters(const CLI::App& used, std::string_view word)
+{
+    for (std::size_t k = 1; k < word.size(); ++k) {
+        const CLI::Option* option = used.get_option_no_throw(std::string("-") + word[k]);
+        if (!option && k > 1)
+            throw CLI::ParseError("there is no option '" + std::string(word) + "'", CLI::ExitCodes::ExtrasError);
+        if (!option) return false;
+        if (!is_flag(*option)) return k + 1 == word.size();
+    }
+    return false;
+}
+
 }  // namespace
+
+void refuse_values_of_flags(const CLI::App& used, std::span<char* const> words)
+{
+    bool is_value = false;
+    for (const std::string_view word : words.subspan(1)) {
+        if (std::exchange(is_value, false) || word.size() < 2 || word[0] != '-') continue;
+        if (word == "--") return;  // names of files follow
+        if (word[1] != '-') {
+            is_value = check_letters(used, word);
+            continue;
+        }
+        const std::size_t sign = word.find('=');
+        const CLI::Option* option = used.get_option_no_throw(std::string(word.substr(0, sign)));
+        if (!option) continue;
+        if (is_flag(*option) && sign != word.npos)
+            throw CLI::ParseError(option->get_name() + " takes no value", CLI::ExitCodes::InvalidError);
+        is_value = !is_flag(*option) && sign == word.npos;
+    }
+}
 
 std::string message_of(const CLI::ParseError& error, const CLI::App& used, std::span<char*> words)
 {

@@ -8,14 +8,11 @@
 #include "base/number_in.h"
 
 namespace occam::command {
-namespace {
 
-[[noreturn]] void expected(const std::string& what, std::string_view text)
+void expected(const std::string& what, std::string_view text)
 {
     throw std::invalid_argument("expected " + what + ", not '" + std::string(text) + "'");
 }
-
-}  // namespace
 
 double real_of(std::string_view text)
 {

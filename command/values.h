@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -11,6 +12,9 @@
 #include "base/vec.h"
 
 namespace occam::command {
+
+/// Throws the exception: "expected a number, not 'x'".
+[[noreturn]] void expected(const std::string& what, std::string_view text);
 
 double real_of(std::string_view text);                 ///< "0.5", "-3", "1e-4"; any finite double
 double number_of(std::string_view text);               ///< the same, within the range of floats

@@ -61,7 +61,7 @@ TEST_F(CompareCommand, JudgesTheLayerAndTheAlphaOfThePicture)
     const Outcome other = run({"compare", "a.exr", "c.exr", "--max-error", "0"});
     EXPECT_EQ(other.exit_code, kDone) << other.err;
     EXPECT_NE(other.out.find("foo: cannot be compared"), std::string::npos) << other.out;
-    EXPECT_EQ(run({"compare", "a.exr", "c.exr", "--layer", "foo"}).exit_code, kBadInput);
+    EXPECT_EQ(run({"compare", "a.exr", "c.exr", "--layer", "foo", "--max-error", "0"}).exit_code, kBadInput);
 
     const Outcome none = run({"compare", "c.exr", "d.exr"});
     EXPECT_EQ(none.exit_code, kDone);

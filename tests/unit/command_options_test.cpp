@@ -16,63 +16,92 @@ class CommandOptions : public CommandTest {};
 
 constexpr char kRay[] = "origin 0.2 0.2 0.2, direction 1 0 0, footprint 0 0.001";
 
+const std::vector<std::vector<std::string>> kIdle{
+    {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--exposure", "2"},
+    {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--tonemap", "aces"},
+    {"render", "triangle.obj", "-o", "a.png", "--aov", "depth"},
+    {"render", "triangle.obj", "-o", "a.jpg", "--exr", "float"},
+    {"render", "triangle.obj", "-o", "a.exr", "--tonemap", "srgb"},
+    {"render", "triangle.obj", "-o", "a.hdr", "--exposure", "1"},
+    {"render", "triangle.obj", "-o", "a.png", "--ao-distance", "3"},
+    {"render", "triangle.obj", "-o", "a.png", "--integrator", "ao", "--bounces", "3"},
+    {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--integrator", "ao"},
+    {"render", "triangle.obj", "-o", "a.png", "--view", "face", "--bounces", "3"},
+    {"render", "triangle.obj", "-o", "a.png", "--view", "tests", "--clamp", "1"},
+    {"render", "triangle.obj", "-o", "a.png", "--view", "uv", "--light-samples", "2"},
+    {"render", "triangle.obj", "-o", "a.png", "--view", "uv", "--background", "off"},
+    {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--environment", "sky"},
+    {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--environment-strength", "2"},
+    {"render", "triangle.obj", "-o", "a.png", "--integrator", "ao", "--environment", "none"},
+    {"render", "triangle.obj", "-o", "a.png", "--integrator", "ao", "--environment-strength", "2"},
+    {"render", "triangle.obj", "-o", "a.png", "--frame", "1", "--shutter", "0,0", "--shutter-segments", "4"},
+    {"verify", "tetrahedron.obj", "--subdivide", "on", "--replay", kRay, "--json"},
+    {"verify", "tetrahedron.obj", "--subdivide", "on", "--replay", kRay, "--rays", "10"},
+    {"render", "triangle.obj", "-o", "a.png", "--error", "0.1"},
+    {"render", "triangle.obj", "-o", "a.png", "--error", "0.1", "--spp", "32", "--min-spp", "32"},
+    {"render", "triangle.obj", "-o", "a.png", "--min-spp", "4"},
+    {"render", "triangle.obj", "-o", "a.png", "--error", "0", "--min-spp", "4"},
+    {"render", "triangle.obj", "-o", "a.png", "--environment", "none", "--environment-strength", "2"},
+    {"render", "triangle.obj", "-o", "a.png", "--environment", "sky", "--environment-rotation", "20"},
+    {"render", "triangle.obj", "-o", "a.png", "--blades", "5"},
+    {"render", "triangle.obj", "-o", "a.png", "--fps", "30"},
+    {"render", "-o", "a.png", "--subdivide", "on"},
+    {"info", "--subdivide", "on"},
+    {"info", "--variant", "red"},
+    {"info", "--json", "--strict"},
+    {"verify", "--strict", "--rays", "1"},
+    {"render", "triangle.obj", "-o", "a.png", "--quality", "high", "--spp", "2", "--shading-rate", "1"},
+    {"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0", "-q", "--progress", "plain"},
+    {"render", "triangle.obj", "-o", "a.png", "--threads", "1", "--share-tree", "2"},
+    {"render", "triangle.obj", "-o", "a.png", "--view", "level", "--lod", "frozen"},
+    {"render", "triangle.obj", "-o", "a.png", "--bounces", "0", "--clamp", "1"},
+    {"render", "triangle.obj", "-o", "a.png", "--time", "1", "--shutter", "0,0", "--fps", "30"},
+    {"bench", "--list", "--only", "fast"},
+    {"bench", "--list", "crowd"},
+    {"bench", "--list", "--json", "a.json"},
+    {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--stats", "a.json"},
+    {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--checkpoint", "on"},
+    {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--deadline", "1"},
+    {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--resume"},
+    {"render", "triangle.obj", "--replay", "3,3", "--aov", "depth"},
+    {"render", "triangle.obj", "--replay", "3,3", "--exr", "float"},
+    {"render", "triangle.obj", "--replay", "3,3", "--exposure", "1"},
+    {"render", "triangle.obj", "--replay", "3,3", "--tonemap", "srgb"},
+    {"render", "triangle.obj", "-o", "a.exr", "--jitter", "off", "--filter", "gaussian"},
+    {"render", "triangle.obj", "-o", "a.exr", "--jitter", "off", "--filter-radius", "3"},
+    {"render", "triangle.obj", "-o", "a.exr", "--lens", "0.1", "--focus", "2", "--blades", "1"},
+    {"render", "triangle.obj", "-o", "a.exr", "--lens", "0.1", "--focus", "2", "--blades", "2"},
+    {"compare", "a.exr", "a.exr", "--layer", "beauty"},
+    {"compare", "a.exr", "a.exr", "--json", "--layer", "beauty"},
+    {"compare", "a.exr", "a.exr", "--layer", "smell", "--max-mse", "1"},
+    {"compare", "a.exr", "a.exr", "--heat-scale", "2"},
+    {"verify", "triangle.obj", "--rays", "100"}};
+
 TEST_F(CommandOptions, OptionsThatWouldDoNothingAreRefused)
 {
-    const std::vector<std::vector<std::string>> idle{
-        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--exposure", "2"},
-        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--tonemap", "aces"},
-        {"render", "triangle.obj", "-o", "a.png", "--aov", "depth"},
-        {"render", "triangle.obj", "-o", "a.jpg", "--exr", "float"},
-        {"render", "triangle.obj", "-o", "a.exr", "--tonemap", "srgb"},
-        {"render", "triangle.obj", "-o", "a.hdr", "--exposure", "1"},
-        {"render", "triangle.obj", "-o", "a.png", "--ao-distance", "3"},
-        {"render", "triangle.obj", "-o", "a.png", "--integrator", "ao", "--bounces", "3"},
-        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--integrator", "ao"},
-        {"render", "triangle.obj", "-o", "a.png", "--view", "face", "--bounces", "3"},
-        {"render", "triangle.obj", "-o", "a.png", "--view", "tests", "--clamp", "1"},
-        {"render", "triangle.obj", "-o", "a.png", "--view", "uv", "--light-samples", "2"},
-        {"render", "triangle.obj", "-o", "a.png", "--view", "uv", "--background", "off"},
-        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--environment", "sky"},
-        {"render", "triangle.obj", "-o", "a.png", "--view", "depth", "--environment-strength", "2"},
-        {"render", "triangle.obj", "-o", "a.png", "--integrator", "ao", "--environment", "none"},
-        {"render", "triangle.obj", "-o", "a.png", "--integrator", "ao", "--environment-strength", "2"},
-        {"render", "triangle.obj", "-o", "a.png", "--frame", "1", "--shutter", "0,0", "--shutter-segments", "4"},
-        {"verify", "tetrahedron.obj", "--subdivide", "on", "--replay", kRay, "--json"},
-        {"verify", "tetrahedron.obj", "--subdivide", "on", "--replay", kRay, "--rays", "10"},
-        {"render", "triangle.obj", "-o", "a.png", "--error", "0.1"},
-        {"render", "triangle.obj", "-o", "a.png", "--error", "0.1", "--spp", "32", "--min-spp", "32"},
-        {"render", "triangle.obj", "-o", "a.png", "--min-spp", "4"},
-        {"render", "triangle.obj", "-o", "a.png", "--error", "0", "--min-spp", "4"},
-        {"render", "triangle.obj", "-o", "a.png", "--environment", "none", "--environment-strength", "2"},
-        {"render", "triangle.obj", "-o", "a.png", "--environment", "sky", "--environment-rotation", "20"},
-        {"render", "triangle.obj", "-o", "a.png", "--blades", "5"},
-        {"render", "triangle.obj", "-o", "a.png", "--fps", "30"},
-        {"render", "-o", "a.png", "--subdivide", "on"},
-        {"info", "--subdivide", "on"},
-        {"info", "--variant", "red"},
-        {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--stats", "a.json"},
-        {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--checkpoint", "on"},
-        {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--deadline", "1"},
-        {"render", "triangle.obj", "-o", "a.exr", "--replay", "3,3", "--resume"},
-        {"render", "triangle.obj", "--replay", "3,3", "--aov", "depth"},
-        {"render", "triangle.obj", "--replay", "3,3", "--exr", "float"},
-        {"render", "triangle.obj", "--replay", "3,3", "--exposure", "1"},
-        {"render", "triangle.obj", "--replay", "3,3", "--tonemap", "srgb"},
-        {"render", "triangle.obj", "-o", "a.exr", "--jitter", "off", "--filter", "gaussian"},
-        {"render", "triangle.obj", "-o", "a.exr", "--jitter", "off", "--filter-radius", "3"},
-        {"render", "triangle.obj", "-o", "a.exr", "--lens", "0.1", "--focus", "2", "--blades", "1"},
-        {"render", "triangle.obj", "-o", "a.exr", "--lens", "0.1", "--focus", "2", "--blades", "2"},
-        {"compare", "a.exr", "a.exr", "--layer", "smell"},
-        {"compare", "a.exr", "a.exr", "--heat-scale", "2"},
-        {"verify", "triangle.obj", "--rays", "100"}};
     ASSERT_EQ(run({"render", "triangle.obj", "-o", "a.exr", "--size", "8x8"}).exit_code, kDone);
     std::ofstream(folder / "tetrahedron.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
     EXPECT_EQ(run({"verify", "tetrahedron.obj", "--subdivide", "on", "--replay", kRay}).exit_code, kDone);
-    for (const auto& arguments : idle) {
+    for (const auto& arguments : kIdle) {
         const Outcome o = run(arguments);
         EXPECT_EQ(o.exit_code, kBadInput) << arguments[arguments.size() - 2] << o.err;
         EXPECT_EQ(std::ranges::count(o.err, '\n'), 1) << o.err;
     }
+}
+
+TEST_F(CommandOptions, OptionsThatLeaveSomethingToOthersAreTaken)
+{
+    for (const std::vector<std::string>& words :
+         std::vector<std::vector<std::string>>{{"--quality", "fast", "--spp", "1"},
+                                               {"--quality", "fast", "--shading-rate", "2"},
+                                               {"--threads", "2", "--share-tree", "2"},
+                                               {"--integrator", "ao", "--lod", "frozen"},
+                                               {"--bounces", "1", "--clamp", "1"}}) {
+        std::vector<std::string> all{"render", "triangle.obj", "-o", "b.exr", "--size", "8x8"};
+        all.insert(all.end(), words.begin(), words.end());
+        EXPECT_EQ(run(all).exit_code, kDone) << words[0] << words[2];
+    }
+    EXPECT_EQ(run({"compare", "b.exr", "b.exr", "--layer", "beauty", "--heat", "heat.png"}).exit_code, kDone);
 }
 
 // A script whose variable is empty would otherwise get another camera, clip or file than it asks for.

@@ -64,6 +64,29 @@ TEST_F(CommandUsage, AnOptionWithNothingBehindItsSignTakesNoOtherWord)
     EXPECT_EQ(run({"render", "-o", "a.png", "--size=8x4", "--spp", "1", "--", "triangle.obj"}).exit_code, kDone);
 }
 
+// The parser takes the first part alone, prints the version or the help, and the rest is lost.
+TEST_F(CommandUsage, AFlagTakesNoValue)
+{
+    const auto expect = [&](const std::vector<std::string>& words, const std::string& line) {
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kBadInput) << line << o.out;
+        EXPECT_EQ(o.err, "occam: " + line + "\n");
+    };
+    expect({"--version=1"}, "--version takes no value (occam --help)");
+    expect({"--help=no"}, "--help takes no value (occam --help)");
+    expect({"-h2"}, "there is no option '-h2' (occam --help)");
+    expect({"render", "-h2"}, "there is no option '-h2' (occam render --help)");
+    expect({"render", "--help=spp"}, "--help takes no value (occam render --help)");
+    expect({"render", "-qx", "-o", "a.png"}, "there is no option '-qx' (occam render --help)");
+    expect({"info", "triangle.obj", "--json=false"}, "--json takes no value (occam info --help)");
+    expect({"info", "triangle.obj", "--strict=true"}, "--strict takes no value (occam info --help)");
+    EXPECT_EQ(run({"render", "triangle.obj", "-qvo", "-h2.png", "--size", "8x4", "--spp", "1"}).exit_code, kDone)
+        << "a value may begin with a dash";
+    EXPECT_TRUE(fs::exists(folder / "-h2.png"));
+    EXPECT_EQ(run({"render", "-o", "a.png", "--size", "8x4", "--spp", "1", "--", "-h2.obj"}).err,
+              "occam: -h2.obj: no such file\n");
+}
+
 TEST_F(CommandUsage, APartThatSlurmDoesNotStateIsTold)
 {
     before_exec = [] { setenv("SLURM_ARRAY_TASK_ID", "5", 1); };  // but not of how many tasks
@@ -73,6 +96,49 @@ TEST_F(CommandUsage, APartThatSlurmDoesNotStateIsTold)
         << o.err;
     EXPECT_TRUE(fs::exists(folder / "a.0.png"));
     EXPECT_TRUE(fs::exists(folder / "a.1.png"));
+}
+
+TEST_F(CommandUsage, WhatIsOutOfRangeIsNamed)
+{
+    const auto expect = [&](const char* command, const char* option, const std::string& value) {
+        std::vector<std::string> words{command, "triangle.obj", "-o", "a.#.png", option, value};
+        if (command == std::string("animate") && option != std::string("--frames"))
+            words.insert(words.end(), {"--frames", "0"});
+        if (command == std::string("compare")) words = {command, "a.exr", "a.exr", option, value};
+        const Outcome o = run(words);
+        EXPECT_EQ(o.exit_code, kBadInput) << option;
+        EXPECT_EQ(o.err.find(std::string("occam: ") + option + ": expected "), 0u) << o.err;
+        EXPECT_NE(o.err.find(", not '" + value + "' (occam " + command + " --help)\n"), std::string::npos) << o.err;
+    };
+    for (const auto& [option, value] : std::vector<std::pair<const char*, const char*>>{{"--filter-radius", "16.1"},
+                                                                                        {"--error", "1"},
+                                                                                        {"--deadline", "-1"},
+                                                                                        {"--shading-rate", "1e6"},
+                                                                                        {"--ao-distance", "-2"},
+                                                                                        {"--fov", "180"},
+                                                                                        {"--lens", "0"},
+                                                                                        {"--focus", "-3"},
+                                                                                        {"--blades", "2"},
+                                                                                        {"--fps", "0"},
+                                                                                        {"--clamp", "-1"},
+                                                                                        {"--environment-strength", "-1"},
+                                                                                        {"--environment-rotation", "x"},
+                                                                                        {"--shutter", "1,0"},
+                                                                                        {"--shutter", "0,1e9"},
+                                                                                        {"--spp", "0"},
+                                                                                        {"--quality", "low"},
+                                                                                        {"--view", "smell"},
+                                                                                        {"--exposure", "101"},
+                                                                                        {"--size", "0x4"},
+                                                                                        {"--threads", "0"},
+                                                                                        {"--memory", "-1"}})
+        for (const char* command : {"render", "animate"}) expect(command, option, value);
+    expect("render", "--replay", "1");
+    expect("animate", "--frames", "5-1");
+    for (const char* option : {"--heat-scale", "--max-rmse", "--min-psnr"}) expect("compare", option, "-1");
+    EXPECT_EQ(run({"render", "triangle.obj", "-o", "a.png", "--frame", "1", "--shutter", "0,1", "--shutter-segments", "3"})
+                  .err.find("occam: --shutter-segments: expected 1, 2, 4, 8, 16 or 32, not '3'"),
+              0u);
 }
 
 TEST_F(CommandUsage, NumbersBeyondTheRangeOfFloatsAreRefusedByTheirOption)
