@@ -3,6 +3,8 @@
 #include <occam/occam.h>
 
 #include <nlohmann/json.hpp>
+#include <regex>
+#include <sstream>
 
 #include "io/extensions.h"
 #include "render/picture_formats.h"
@@ -63,7 +65,9 @@ TEST(Tables, ValuesOutsideOfARangeAreRefusedByName)
                             render::check(settings);
                             ADD_FAILURE() << row.name << " = " << wrong;
                         } catch (const Error& error) {
-                            EXPECT_NE(std::string(error.what()).find(render::range_of(row)), std::string::npos);
+                            const std::string rule = render::range_of(row) + ", not " + render::text_of(row, settings) +
+                                                     " (" + std::string(row.name) + ")";
+                            EXPECT_NE(std::string(error.what()).find(rule), std::string::npos) << error.what();
                         }
                     }
                 } else if constexpr (std::is_enum_v<T>) {
@@ -126,6 +130,62 @@ TEST_F(TablesOfHelp, HaveEveryOptionChoiceAndFormat)
     for (const render::ViewRow& row : render::kViews) expect_line(render_help, std::string(row.name));
     for (const SceneFormat& f : scene_formats()) expect_line(all, std::string(f.extensions));
     for (const render::PictureFormat& f : render::picture_formats()) expect_line(all, std::string(f.extensions));
+}
+
+// Returns the words of a help that are names of options.
+std::vector<std::string> options_in(const std::string& help)
+{
+    static const std::regex kName("(^|[ ,])(--?[a-z][a-z0-9-]*)");
+    std::vector<std::string> names;
+    std::istringstream lines(help);
+    for (std::string line; std::getline(lines, line);) {
+        if (!line.starts_with("  -")) continue;
+        const std::string first = line.substr(2, line.find(' ', 2) - 2);
+        for (std::sregex_iterator found(first.begin(), first.end(), kName), end; found != end; ++found)
+            names.push_back((*found)[2]);
+    }
+    return names;
+}
+
+// Returns the row of a table that begins with that option, which another command may have, too.
+std::string row_of(const std::string& text, const std::string& option, const std::string& command)
+{
+    std::istringstream lines(text);
+    for (std::string line, cell = "`" + option + "`"; std::getline(lines, line);) {
+        const std::string first = line.substr(0, line.find(" | "));
+        if (!line.starts_with("| ") || first.find(cell) == std::string::npos) continue;
+        const std::string second = line.substr(first.size() + 3, line.find(" | ", first.size() + 3) - first.size() - 3);
+        const bool is_of_others = second.starts_with("`") && second.find("`" + command + "`") == std::string::npos &&
+                                  std::regex_search(second, std::regex("`(info|verify|compare|texture|bench)`"));
+        if (!is_of_others) return line;
+    }
+    return {};
+}
+
+TEST_F(TablesOfHelp, NameOptionsThatAreAllInTheDocumentation)
+{
+    const std::string settings = page("settings.md");
+    std::size_t count = 0;
+    for (const std::string command : {"", "render", "animate", "info", "verify", "compare", "texture", "bench"}) {
+        std::vector<std::string> words{command, "--help"};
+        if (command.empty()) words.erase(words.begin());
+        for (const std::string& option : options_in(run(words).out)) {
+            ++count;
+            EXPECT_NE(row_of(settings, option, command), "") << "occam " << command << ' ' << option;
+        }
+    }
+    EXPECT_GT(count, 150u) << "the helps were read";
+    const auto expect_in = [&](const char* option, const char* command, std::uint64_t number) {
+        const std::string row = row_of(settings, option, command);
+        EXPECT_NE(row.find(std::to_string(number)), std::string::npos) << row;
+    };
+    expect_in("--size", "render", render::kMaxSide);
+    expect_in("--size", "render", render::kMaxPixels);
+    expect_in("--rays", "verify", kMostVerifyRays);
+    expect_in("--shutter-segments", "render", kMaxShutterSegments);
+    const std::string quality = row_of(settings, "--quality", "render");
+    EXPECT_NE(run({"render", "--help"}).out.find("--spp 4, 16, 64 and --shading-rate 2, 1, 0.5"), std::string::npos);
+    EXPECT_NE(quality.find("`--spp` 4, 16, 64 and `--shading-rate` 2, 1, 0.5"), std::string::npos) << quality;
 }
 
 }  // namespace
