@@ -64,8 +64,6 @@ constexpr Rule kRules[] = {
      [](const RenderArguments&, const Given& given) { return given.contains("--spp") && given.contains("--shading-rate"); },
      "--spp and --shading-rate are all that it sets"},
     {"--progress", [](const RenderArguments& a, const Given&) { return a.quiet; }, "--quiet shows no progress"},
-    {"--share-tree", [](const RenderArguments& a, const Given&) { return a.resources.threads == 1; },
-     "--threads 1 is one worker, who has a tree of his own"},
     {"--stats", is_one_sample, kOneSample},
     {"--checkpoint", is_one_sample, kOneSample},
     {"--resume", is_one_sample, kOneSample},
@@ -94,7 +92,7 @@ constexpr Rule kRules[] = {
      "only --integrator ao looks for it"},
     {"--fps",
      [](const RenderArguments& a, const Given& given) {
-         return !a.frame && !given.contains("--frames") && a.settings.shutter == Shutter{};
+         return !a.frame && !given.contains("--frames") && !given.contains("--shutter");
      },
      "it is the length of a frame, for --frame and --shutter"},
     {"--shutter",
@@ -109,8 +107,6 @@ constexpr Rule kRules[] = {
          return a.settings.lod == render::Lod::Frozen && is_debug_view(a, given);
      },
      "frozen is about secondary rays, and a debug view has none"},
-    {"--clamp", [](const RenderArguments& a, const Given&) { return a.settings.bounces == 0; },
-     "with --bounces 0 no light is scattered twice"},
     {"--bounces", is_ao, kAo},
     {"--clamp", is_ao, kAo},
     {"--environment", is_ao, kAllSides},

@@ -89,10 +89,10 @@ TEST_F(Animate, AShutterOfOneMomentIsTheStillPictureOfThatMoment)
     };
     const auto still = render("still.exr", {"--time", "0.5"});
     EXPECT_EQ(render("moment.exr", {"--time", "0.25", "--fps", "10", "--shutter", "2.5,2.5"}), still);
+    EXPECT_EQ(render("closed.exr", {"--time", "0.5", "--fps", "10", "--shutter", "0,0"}), still);
     EXPECT_NE(render("none.exr", {"--time", "0.25"}), still);
     // Beyond its end, a clip holds its last pose.
-    const auto end = render("end.exr", {"--time", "1"});
-    EXPECT_EQ(render("beyond.exr", {"--time", "2", "--shutter", "0,3"}), end);
+    EXPECT_EQ(render("beyond.exr", {"--time", "2", "--shutter", "0,3"}), render("end.exr", {"--time", "1"}));
     EXPECT_EQ(render("long.exr", {"--time", "2", "--shutter", "-1e6,-5e5"}), render("start.exr", {"--time", "0"}));
 }
 
