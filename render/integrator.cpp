@@ -223,8 +223,8 @@ void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, co
     if (surface.emission == Vec3f(0)) return;
     float weight = 1;
     if (!path.is_camera()) {
-        const float per_area = context_.lights.meshes().area_density({hit.node, hit.material, hit.face, hit.position},
-                                                                     path.receiver.of_all_groups());
+        const float per_area = context_.lights.meshes().area_density(
+            {hit.node, hit.cage, hit.material, hit.face, hit.position, hit.self_distance}, path.receiver.of_all_groups());
         const float cosine = std::max(glm::dot(surface.normal_geometric, surface.to_eye), 1e-6f);
         weight = shade::SampleCounts{path.light_samples, path.scatter_samples}.of_scatter(path.density,
                                                                                           per_area * hit.t * hit.t / cosine);

@@ -81,9 +81,9 @@ public:
     /// Calls visit(light) for every light with an area that the ray may cross.
     template <class Visit>
     void for_crossed(Vec3d origin, Vec3f direction, Visit&& visit) const;
-    /// Calls visit(light) for every light whose box holds the point.
+    /// Calls visit(light) for every light whose box holds the point, or a place that is as near to it in each axis.
     template <class Visit>
-    void for_boxes_around(Vec3d point, Visit&& visit) const;
+    void for_boxes_around(Vec3d point, float within, Visit&& visit) const;
     /// Returns whether found(light) is true for any light with an area that covers `share` or more of the squared sine that
     /// WorldLight::sine2_subtended() measures, as seen from the point.
     template <class Found>
@@ -151,10 +151,10 @@ private:
     /// Returns whether found(light) is true for any light that enters(node) lets in, which returns a bit for each child.
     template <class Enters, class Found>
     bool any_leaf(Enters&& enters, Found&& found) const;
-    // These return a bit for each child: one with an area that the ray may cross, one whose box holds the point, and one
-    // that may cover a share of the squared sine.
+    // These return a bit for each child: one with an area that the ray may cross, one whose box holds the point or comes
+    // near it, and one that may cover a share of the squared sine.
     static unsigned crossed(const Node& node, Vec3f origin, Vec3f inverse) noexcept;
-    static unsigned around(const Node& node, Vec3f at) noexcept;
+    static unsigned around(const Node& node, Vec3f at, float within) noexcept;
     static unsigned covering(const Node& node, Vec3f at, float share) noexcept;
 
     Vec3d origin_{0};
@@ -208,10 +208,10 @@ bool LightTree::any_leaf(Enters&& enters, Found&& found) const
 }
 
 template <class Visit>
-void LightTree::for_boxes_around(Vec3d point, Visit&& visit) const
+void LightTree::for_boxes_around(Vec3d point, float within, Visit&& visit) const
 {
     const Vec3f at = relative(point);
-    any_leaf([&](const Node& node) { return around(node, at); },
+    any_leaf([&](const Node& node) { return around(node, at, within); },
              [&](std::uint32_t light) {
                  visit(light);
                  return false;

@@ -333,11 +333,12 @@ unsigned LightTree::crossed(const Node& node, Vec3f origin, Vec3f inverse) noexc
     return found;
 }
 
-unsigned LightTree::around(const Node& node, Vec3f at) noexcept
+unsigned LightTree::around(const Node& node, Vec3f at, float within) noexcept
 {
     unsigned found = 0;
     for (std::size_t k = 0; k < kWide; k += std::size_t(kLanes)) {
-        const Lanes3 off = abs(Lanes3::load(node.middle, k) - at), half = Lanes3::load(node.half, k);
+        const Lanes3 off = abs(Lanes3::load(node.middle, k) - at),
+                     half = Lanes3::load(node.half, k) + in_all_lanes(Vec3f(within));
         const vmask holds = (off.x <= half.x) & (off.y <= half.y) & (off.z <= half.z);
         found |= bits(holds & (vfloat::load(node.power + k) > vfloat(0.0f))) << k;
     }

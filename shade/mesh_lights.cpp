@@ -180,7 +180,7 @@ struct MeshLights::Placed {
     std::unordered_set<const Material*> unsampled;
 };
 
-void MeshLights::add(const Placed& placed, const CageSlot& slot)
+void MeshLights::add(const Placed& placed, CageId cage_id, const CageSlot& slot)
 {
     const auto& [scene, node, id, world_from_object, is_sampled, unsampled] = placed;
     const Cage& cage = slot.cage;
@@ -198,7 +198,7 @@ void MeshLights::add(const Placed& placed, const CageSlot& slot)
         if (density > 0 && std::isfinite(found.area[s])) power_ += double(density) * found.area[s];
         if (!(density > 0) || !is_sampled || scene.find(node.skin) || unsampled.contains(material)) continue;
         const bool is_mirrored = mirrors(Mat3d(world_from_object));
-        const Mesh mesh{id, &cage, material, world_from_object, density, is_mirrored, extent};
+        const Mesh mesh{id, cage_id, &cage, material, world_from_object, density, is_mirrored, extent};
         const std::size_t before = sums_.size();
         for (const std::uint32_t face : found.of(s)) {
             const TrianglePoints c = corners(mesh, face);
@@ -235,7 +235,7 @@ MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const F
                             !moving.contains(id) && !hidden.contains(id),
                             unsampled_materials(scene, node)};
         for (CageId cage : node.cages)
-            if (const CageSlot* slot = scene.find(cage)) add(placed, *slot);
+            if (const CageSlot* slot = scene.find(cage)) add(placed, cage, *slot);
     });
 }
 
@@ -300,15 +300,16 @@ MeshLights::Choice MeshLights::choose(const Receiver& receiver, float number) co
 float MeshLights::area_density(const Place& at, const Receiver& receiver) const noexcept
 {
     if (tree_.is_empty()) return 0;
-    // Several placements of a node have triangles of one number: the nearest to the point counts.
+    // Several placements of a node have triangles of one number: the nearest to the point counts. The point is a hit's,
+    // which is rounded as the whole of its cage is: it may be beside a box that is as small, or as flat, as the triangle.
     double nearest = std::numeric_limits<double>::infinity();
     std::uint32_t leaf_hit = 0;
     const Mesh* mesh_hit = nullptr;
-    tree_.for_boxes_around(at.position, [&](std::uint32_t leaf) {
+    tree_.for_boxes_around(at.position, at.rounding, [&](std::uint32_t leaf) {
         for (std::uint32_t i = first_of(leaf); i < end_of(leaf); ++i) {
             if (faces_[i] != at.face) continue;
             const Mesh& mesh = mesh_of(i);
-            if (mesh.node != at.node || mesh.material != at.material) continue;
+            if (mesh.node != at.node || mesh.cage_id != at.cage || mesh.material != at.material) continue;
             const double distance = distance_to(corners(mesh, at.face), at.position);
             if (distance >= nearest) continue;
             nearest = distance;

@@ -35,7 +35,7 @@ public:
     /// Returns true if any surface is emissive, whether it is sampled here or not.
     bool any_emitter() const noexcept { return any_emitter_; }
 
-    /// Returns area times mean luminance of everything that is emissive, counting one side, in squared world length.
+    /// Returns area times mean luminance of everything that is emissive, counting one side, in squared frame lengths.
     /// Subdivision surfaces are measured by their cage, and what deforms or is made on demand by its bounding box, so the
     /// figure is an estimate.
     double power() const noexcept { return power_; }
@@ -56,9 +56,11 @@ public:
     /// Describes where a ray hits an emissive surface.
     struct Place {
         NodeId node;
+        CageId cage;
         const Material* material;
         std::uint32_t face;
         Vec3d position;
+        float rounding;  ///< the position may be this far from the surface (accel::SurfaceHit::self_distance)
     };
     /// Returns the density per area with which sample() draws a point there for the receiver, or 0 if the surface is not
     /// sampled.
@@ -67,6 +69,7 @@ public:
 private:
     struct Mesh {
         NodeId node;
+        CageId cage_id;
         const Cage* cage;
         const Material* material;
         Mat4d world_from_object;
@@ -79,7 +82,7 @@ private:
     };
 
     struct Placed;
-    void add(const Placed& placed, const CageSlot& slot);
+    void add(const Placed& placed, CageId cage_id, const CageSlot& slot);
     static double distance_to(const TrianglePoints& triangle, Vec3d point) noexcept;
     static TrianglePoints corners(const Mesh& mesh, std::uint32_t face) noexcept;
     /// A point on a triangle, with the density per area with which it was chosen.

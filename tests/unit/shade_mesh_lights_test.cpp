@@ -22,9 +22,11 @@ Vec3f unit(test::Numbers& n)
 struct Lamp {
     Vec3d corner[3];
     NodeId node;
+    CageId cage;
     std::uint32_t face;
     const Material* material;
 
+    MeshLights::Place place(Vec3d position) const { return {node, cage, material, face, position, 0}; }
     Vec3d at(double b, double c) const { return corner[0] + (corner[1] - corner[0]) * b + (corner[2] - corner[0]) * c; }
 };
 
@@ -55,7 +57,7 @@ struct Lamps {
         for (const Vec3d at : {Vec3d(0), Vec3d(0, 0, 12)}) {
             const NodeId node = test::place(scene, shape, at);
             for (std::uint32_t i = 0; i < triangles; ++i) {
-                Lamp lamp{{}, node, i, scene.find(cage.materials[i % 2])};
+                Lamp lamp{{}, node, shape, i, scene.find(cage.materials[i % 2])};
                 for (std::uint32_t p = 0; p < 3; ++p) lamp.corner[p] = at + Vec3d(cage.positions[3 * i + p]);
                 all.push_back(lamp);
             }
@@ -102,7 +104,7 @@ TEST(MeshLights, DensitiesOfPlacesAreThoseOfSamples)
                 const double b = glm::dot(glm::cross(hit - lamp.corner[0], lamp.corner[2] - lamp.corner[0]), normal) / area2,
                              c = glm::dot(glm::cross(lamp.corner[1] - lamp.corner[0], hit - lamp.corner[0]), normal) / area2;
                 if (b < 1e-4 || c < 1e-4 || b + c > 1 - 1e-4 || cosine < 0.02) continue;
-                const float per_area = lights.area_density({lamp.node, lamp.material, lamp.face, hit}, at.receiver);
+                const float per_area = lights.area_density(lamp.place(hit), at.receiver);
                 EXPECT_NEAR(double(per_area) * distance * distance / cosine, double(s.density), 1e-2 * double(s.density));
                 ++compared;
                 break;
@@ -218,10 +220,12 @@ TEST(MeshLights, WhatIsNotSampledHasNoDensity)
     const Material other;
     const Receiver receiver{lights.tree().relative(Vec3d(5)), glm::normalize(Vec3f(-1)), kAllGroups, true};
     const Vec3d middle = lamp.at(1.0 / 3, 1.0 / 3);
-    EXPECT_GT(lights.area_density({lamp.node, lamp.material, lamp.face, middle}, receiver), 0);
-    EXPECT_EQ(lights.area_density({lamp.node, &other, lamp.face, middle}, receiver), 0);
-    EXPECT_EQ(lights.area_density({lamp.node, lamp.material, 60, middle}, receiver), 0);
-    EXPECT_EQ(lights.area_density({lamp.node, lamp.material, lamp.face, Vec3d(1000)}, receiver), 0);
+    EXPECT_GT(lights.area_density(lamp.place(middle), receiver), 0);
+    const NodeId node = lamp.node;
+    EXPECT_EQ(lights.area_density({node, lamp.cage, &other, lamp.face, middle, 0}, receiver), 0);
+    EXPECT_EQ(lights.area_density({node, lamp.cage, lamp.material, 60, middle, 0}, receiver), 0);
+    EXPECT_EQ(lights.area_density({node, {}, lamp.material, lamp.face, middle, 0}, receiver), 0);
+    EXPECT_EQ(lights.area_density(lamp.place(Vec3d(1000)), receiver), 0);
 }
 
 // A node keeps the dead handle of a skin that was removed.
@@ -240,8 +244,7 @@ TEST(MeshLights, WhatWoreASkinThatWasRemovedIsSampledAgain)
     lights.make_tree({});
     EXPECT_EQ(lights.power(), power);
     const Receiver receiver{lights.tree().relative(Vec3d(5)), glm::normalize(Vec3f(-1)), kAllGroups, true};
-    for (const Lamp& lamp : lamps.all)
-        EXPECT_GT(lights.area_density({lamp.node, lamp.material, lamp.face, lamp.at(1.0 / 3, 1.0 / 3)}, receiver), 0);
+    for (const Lamp& lamp : lamps.all) EXPECT_GT(lights.area_density(lamp.place(lamp.at(1.0 / 3, 1.0 / 3)), receiver), 0);
 }
 
 // Where triangles share leaves, those of a leaf are neighbours, although the mesh lists them in any order. A point was in
@@ -257,9 +260,9 @@ TEST(MeshLights, LeavesOfManyTrianglesAreSmall)
     double sum = 0;
     for (const Lamp& lamp : lamps.all) {
         const Vec3d middle = lamp.at(1.0 / 3, 1.0 / 3);
-        lights.tree().for_boxes_around(middle, [&](std::uint32_t) { ++around; });
+        lights.tree().for_boxes_around(middle, 0, [&](std::uint32_t) { ++around; });
         const double area = 0.5 * glm::length(glm::cross(lamp.corner[1] - lamp.corner[0], lamp.corner[2] - lamp.corner[0]));
-        sum += area * double(lights.area_density({lamp.node, lamp.material, lamp.face, middle}, receiver));
+        sum += area * double(lights.area_density(lamp.place(middle), receiver));
     }
     EXPECT_LT(around, 3 * lamps.all.size());
     EXPECT_NEAR(sum, 1, 1e-3) << "the density is that of one sample";
