@@ -17,8 +17,9 @@ LightSampleLanes sample_flat(const WorldLight& light, const VecLanes& to_middle,
     vfloat cosine = -dot(towards, spread(light.direction));
     if (light.two_sided) cosine = abs(cosine);
     const vfloat solid_angle = light.area * cosine / distance2;
-    const vmask shines = (cosine > zero) & (solid_angle > zero);
-    return {towards, distance, select(shines, spread(light.strength) * solid_angle, spread(Vec3f(0))),
+    const vfloat end = LightGap::end(distance, cosine, vfloat(LightGap::across(light.area)));
+    const vmask shines = (cosine > zero) & (solid_angle > zero) & (end > zero);
+    return {towards, end, select(shines, spread(light.strength) * solid_angle, spread(Vec3f(0))),
             select(shines, one / solid_angle, zero)};
 }
 
@@ -38,7 +39,7 @@ LightSampleLanes sample_point(const WorldLight& light, const VecLanes& to_light)
     const VecLanes light_here = spread(light.strength) * fall;
     const vfloat most = kMostOfAPoint;
     const VecLanes limited{min(light_here.x, most), min(light_here.y, most), min(light_here.z, most)};
-    return {direction, distance, select(is_in_range, limited, spread(Vec3f(0))), zero};
+    return {direction, LightGap::end(distance), select(is_in_range, limited, spread(Vec3f(0))), zero};
 }
 
 LightSampleLanes sample_sun(const WorldLight& light, vfloat u, vfloat v) noexcept

@@ -118,7 +118,7 @@ LightSample sample_point(const WorldLight& light, Vec3f to_light) noexcept
         const float share = distance2 / (light.range * light.range);
         fall *= std::clamp(1 - share * share, 0.0f, 1.0f);
     }
-    return {direction, distance, glm::min(light.strength * fall, Vec3f(kMostOfAPoint)), 0};
+    return {direction, LightGap::end(distance), glm::min(light.strength * fall, Vec3f(kMostOfAPoint)), 0};
 }
 
 // Returns the density per solid angle at a squared distance of a place on the disc of a sun, which is a unit away.
@@ -237,7 +237,9 @@ LightCrossing cross_flat(const WorldLight& light, Vec3d origin, Vec3f direction)
         const LongSide side(light, to_middle);
         share = side.share(side.along(direction, distance));
     }
-    return {distance, light.strength, share * distance * distance / (light.area * std::fabs(cosine))};
+    const float end = LightGap::end(distance, std::fabs(cosine), LightGap::across(light.area));
+    if (!(end > 0)) return {};
+    return {end, light.strength, share * distance * distance / (light.area * std::fabs(cosine))};
 }
 
 // Returns 1 - cos of the cone that a sphere subtends, without the cancellation that a small one would cause; 0 inside of

@@ -24,14 +24,14 @@ struct LightNumbers {
 /// Describes what one sample of a light sends to a point.
 struct LightSample {
     Vec3f direction{0};  ///< unit, towards the light
-    float distance = 0;  ///< infinity for parallel light
+    float distance = 0;  ///< at which a shadow ray ends, a little before the light; infinity for parallel light
     Vec3f radiance{0};   ///< incoming, divided by the density of the sample per solid angle; zero: nothing arrives
     float density = 0;   ///< per solid angle; 0: the light has no extent, and no scattered ray can find it
 };
 
 /// Describes where a ray crosses a light that has no surface in the scene.
 struct LightCrossing {
-    float distance = 0;  ///< infinity for a sun
+    float distance = 0;  ///< as in LightSample: a surface that is met from here on does not hide the light
     Vec3f radiance{0};   ///< zero: the ray does not cross the light, or crosses it from behind
     float density = 0;   ///< density with which WorldLight::sample() draws this direction
 };
@@ -106,6 +106,34 @@ inline constexpr float kMinDistance2 = 1e-36f;
 /// The most that a light without a surface gives, in units of the frame.
 inline constexpr float kMostOfAPoint = 1e30f;
 
+/// A surface in the plane of a light, such as a ceiling, does not hide it, although rounding may put that surface before the
+/// light. So a ray to a light ends before it by what rounding may move either: so many ulps of the distance and of the
+/// largest coordinate of a scene. But where the scene is so large that this would reach past a screen close before the
+/// light, it is a small share of the size of the light, or, for a light without one, of the distance.
+struct LightGap {
+    static constexpr float kUlps = 16 * 0x1p-23f, kOfScene = 2 * kUlps, kShare = 0x1p-10f;
+    /// Surfaces about a light without an extent may be seen at this cosine.
+    static constexpr float kLeastCosine = 1.0f / 8;
+
+    /// Returns the gap that is there at any distance, across the plane of a flat light.
+    static float across(float area) noexcept { return std::min(kOfScene, kShare * std::sqrt(area)); }
+    /// Returns where a ray to a flat light ends.
+    /// least   across() of the light
+    template <class T>
+    static T end(T distance, T cosine, T least) noexcept
+    {
+        return distance - (distance * T(kUlps) + least) / cosine;
+    }
+    /// Returns where a ray to a light without an extent ends.
+    template <class T>
+    static T end(T distance) noexcept
+    {
+        using std::min;
+        const T most = T(kShare) * distance;
+        return distance - min((distance * T(kUlps) + T(kOfScene)) * T(1 / kLeastCosine), most);
+    }
+};
+
 inline LightSample WorldLight::sample_towards(Vec3f to_light, float share) const noexcept
 {
     const float distance2 = std::max(glm::dot(to_light, to_light), kMinDistance2);
@@ -116,7 +144,9 @@ inline LightSample WorldLight::sample_towards(Vec3f to_light, float share) const
     if (!(cosine > 0)) return {};
     const float solid_angle = area * cosine / (distance2 * share);
     if (!(solid_angle > 0)) return {};  // it has no area, or is too far away for floats
-    return {towards, distance, strength * solid_angle, 1 / solid_angle};
+    const float end = LightGap::end(distance, cosine, LightGap::across(area));
+    if (!(end > 0)) return {};  // the point is in the light's plane
+    return {towards, end, strength * solid_angle, 1 / solid_angle};
 }
 
 // Most lights are rectangles, so they are inlined into the caller's loop.
