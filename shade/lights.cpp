@@ -190,9 +190,11 @@ public:
         const double density = 2 * half_ * away_ / (range_ * (away_ * away_ + along * along));
         return static_cast<float>(is_disc_ ? density * double(kPi) / (4 * std::max(rim_at(along), 1e-6)) : density);
     }
-    double along(Vec3f direction, float distance) const noexcept
+    /// Returns how far along the axis the place is that at() makes the one at this distance of.
+    /// v   the place's coordinate along the other side, which leads along the axis, too, if the sides are sheared
+    double along(Vec3f direction, float distance, double v) const noexcept
     {
-        return glm::dot(Vec3d(direction), axis_) * double(distance);
+        return glm::dot(Vec3d(direction), axis_) * double(distance) - v * glm::dot(across_, axis_);
     }
 
 private:
@@ -235,7 +237,7 @@ LightCrossing cross_flat(const WorldLight& light, Vec3d origin, Vec3f direction)
     float share = 1;
     if (light.is_long) {
         const LongSide side(light, to_middle);
-        share = side.share(side.along(direction, distance));
+        share = side.share(side.along(direction, distance, v));
     }
     const float end = LightGap::end(distance, std::fabs(cosine), LightGap::across(light.area));
     if (!(end > 0)) return {};

@@ -136,7 +136,7 @@ namespace {
 TEST(FlushLights, EndWhereRaysThatCrossThemDo)
 {
     for (const AreaLight::Shape shape : {AreaLight::Shape::Rectangle, AreaLight::Shape::Disc})
-        for (const double shear : {0.0})
+        for (const double shear : {0.0, 0.3, 1.0, 3.0})
             for (const double width : {1.0, 0.01}) {
                 AreaLight area;
                 area.shape = shape;
