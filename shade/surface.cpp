@@ -221,7 +221,6 @@ void add_anisotropy(const Material& m, const MaterialValues& values, const Shade
 
 void add_sheen(const MaterialValues& values, Surface& s) noexcept
 {
-    s.sheen = glm::clamp(values.sheen_color, 0.0f, 1.0f);
     if (s.sheen == Vec3f(0)) return;
     s.sheen_alpha = sheen_width(values.sheen_roughness);
     const float kept = sheen_for_eye(s, std::max(0.0f, glm::dot(s.normal, s.to_eye))).below;
@@ -314,12 +313,14 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     s.f0 = dielectric.f0 * (1 - metallic) + s.base_color * metallic;
     s.f90 = dielectric.f90 * (1 - metallic) + metallic;
     note_mix(dielectric, 1 - metallic, metallic, s);
-    const bool has_facets = has_layer(s) || (m.transmission > 0 && !is_straight_body(m));
+    if (m.sheen_color != Vec3f(0)) s.sheen = glm::clamp(values.sheen_color, 0.0f, 1.0f);
+    // Each lobe that depends on the eye is on its side.
+    const bool has_facets = has_layer(s) || s.sheen != Vec3f(0) || (m.transmission > 0 && !is_straight_body(m));
     if (has_facets) s.normal = reflecting_normal(s.normal, point);
     if (m.transmission > 0) add_transmission(m, values, dielectric, point.back_side, s);
 
     if (m.anisotropy > 0) add_anisotropy(m, values, point, s);
-    if (m.sheen_color != Vec3f(0)) add_sheen(values, s);
+    add_sheen(values, s);
 
     if (m.clearcoat > 0) {
         s.coat = std::clamp(values.coat, 0.0f, 1.0f);

@@ -22,7 +22,7 @@ struct Kind {
 
 std::vector<Kind> kinds(float roughness)
 {
-    std::vector<Kind> all{{"metal", {}}, {"plastic", {}}, {"coat", {}}, {"body", {}}, {"pane", {}}};
+    std::vector<Kind> all{{"metal", {}}, {"plastic", {}}, {"coat", {}}, {"body", {}}, {"pane", {}}, {"cloth", {}}};
     for (Kind& kind : all) {
         kind.material.base_color = Vec4f(1);
         kind.material.metallic = kind.name == "metal" ? 1.0f : 0.0f;
@@ -30,6 +30,10 @@ std::vector<Kind> kinds(float roughness)
         kind.material.clearcoat = kind.name == "coat" ? 1.0f : 0.0f;
         kind.material.transmission = kind.name == "body" || kind.name == "pane" ? 1.0f : 0.0f;
         kind.material.thickness = kind.name == "body" ? 1.0f : 0.0f;
+        if (kind.name != "cloth") continue;
+        kind.material.specular = 0;
+        kind.material.sheen_color = Vec3f(1);
+        kind.material.sheen_roughness = roughness;
     }
     return all;
 }
