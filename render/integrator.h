@@ -280,7 +280,7 @@ private:
     /// Returns false if a scattered direction can contribute nothing that gather_light() has not contributed.
     bool needs_scattering(const Vertex& v) const noexcept;
     void scatter_on(const Vertex& v, float chance);
-    /// Says which of the directions of a surface one is.
+    /// Says which direction this is among those that are scattered on one surface.
     struct ScatterNumber {
         int n, samples;
         float chance;  ///< with which the ray is scattered at all

@@ -11,7 +11,7 @@ Sequence Integrator::numbers(const Vertex& v, Use use, int slot) const noexcept
                                      Dimension::at(v.path.key, use, static_cast<std::uint32_t>(slot)));
 }
 
-// Draws what surfaces that wait need one number of.
+// Draws the numbers of which each waiting surface needs exactly one.
 void Integrator::draw_for_waiting(int count)
 {
     SurfacesToDraw& of = surfaces_to_draw_;

@@ -10,8 +10,8 @@
 
 namespace occam::render {
 
-/// Computes for each pixel of a tile the root mean square of the relative errors (PixelSums::relative_error) of the pixels
-/// around it: of up to 3 x 3, those of other tiles left out. One pixel's samples may miss by chance what its neighbours'
+/// Computes for each pixel of a tile the root mean square of the relative errors (PixelSums::relative_error) of the 3 x 3
+/// pixels around it, as far as they belong to the same tile. One pixel's samples may miss by chance what its neighbours'
 /// samples have found (Mitchell 1987 looks at several pixels at once, too).
 /// pixels   those of the tile, as pixels_of() orders them
 /// sums     one for each pixel

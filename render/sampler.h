@@ -84,8 +84,8 @@ struct SurfaceNumbers {
     alignas(32) float lobe[SurfacesToDraw::kMost];
 };
 
-/// Of what is found out about a frame before it is made: pictures of the same scene that differ in their seeds alone, and
-/// may be averaged, must not differ in it.
+/// The seed of all that is found out about a frame before it is made. It does not follow the seed of the picture: pictures
+/// of one scene that differ in their seeds alone may be averaged, so what is found out must be the same for all of them.
 inline constexpr std::uint64_t kSketchSeed = 0;
 
 class Sampler {

@@ -20,7 +20,7 @@
 
 namespace occam::shade {
 
-/// Returns of what the layer of a surface is mixed.
+/// Returns the two parts that the layer of a surface is a mixture of.
 inline LayerMixOf<float> mix_of(const Surface& s) noexcept
 {
     if (!s.is_mixed) return {s.f0, s.f90, 1, Vec3f(0), 0};

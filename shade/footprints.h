@@ -1,6 +1,6 @@
 // The widths of the beams of secondary rays: path differentials, kept as one width across a beam that grows along it.
 //
-// A beam has a width w at a hit (its full width, a world length) and a spread b = dw/dt. From these each kind of
+// A beam has a width w at a hit (its full width, a frame length) and a spread b = dw/dt. From these each kind of
 // secondary ray gets its footprint A + B t with A = w: it starts as wide as its parent arrived. Of the two curvatures of
 // a wave front, the one across the plane of incidence is followed (it is the smaller one where a surface bulges), so that
 // the footprint is the smaller axis of the true one. A beam that converges after a mirror or a lens keeps its width. It
@@ -22,12 +22,12 @@ namespace occam::shade {
 
 /// Describes a beam where it hits a surface.
 struct Beam {
-    float width = 0;   ///< across the beam, in world length
-    float spread = 0;  ///< growth of the width per world length
+    float width = 0;   ///< across the beam, in frame lengths
+    float spread = 0;  ///< growth of the width per length along it
 };
 
 /// Returns the footprint of the reflected beam.
-/// curvature   mean curvature, positive where the surface bulges towards the beam, in 1 / world length
+/// curvature   mean curvature, positive where the surface bulges towards the beam, in 1 / frame length
 /// cosine      between the beam and the normal
 lod::Footprint mirrored_beam(Beam beam, float curvature, float cosine) noexcept;
 
