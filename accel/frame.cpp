@@ -30,7 +30,7 @@ float farthest_displaced(const Scene& scene, const FrameScale& scale)
         scene.for_placements_of(Contents::Displaced,
                                 [&](NodeId, const Node& node, const Mat4d& world_from_node) { add(node, world_from_node); });
     else
-        for_each_placement(scene, [&](const Node& node, std::span<const Mat4d> world_from_node) {
+        for_each_placement(scene, Contents::Displaced, [&](const Node& node, std::span<const Mat4d> world_from_node) {
             for (const Mat4d& world : world_from_node) add(node, world);
         });
     return static_cast<float>(farthest) * (1 + 0x1p-18f);

@@ -256,7 +256,12 @@ PairRange Items::range(ItemIndex i, int pair) const noexcept
     const Item& item = items_[i];
     if (item.kind == Item::Faces || frame_.levels.mode == lod::LevelMode::PerInstance) return kAllPairs;
     const int finest = item.cage().finest_level();
-    if (pair < finest) return {lod::kFinestLevel, finest - 1};
+    if (pair < finest) {
+        // Up to the finest level all is the same, but the patches of a cluster may have one igrid or several.
+        const bool may_be_one = item.kind == Item::Leaf || may_share(item);
+        const int small = may_be_one ? item.cluster->small_from : lod::kFinestLevel;
+        return pair >= small ? PairRange{small, finest - 1} : PairRange{lod::kFinestLevel, std::min(small, finest) - 1};
+    }
     if (shares(item, pair)) {
         const int same = item.cluster->same_from;
         return pair >= same ? PairRange{std::max(same, finest), lod::kCoarsestLevel} : PairRange{pair, pair};

@@ -84,8 +84,10 @@ Box3d bounds_of_diced(const Scene& scene)
     return root.is_visible_in_shutter() ? DicedBounds(scene).placed(scene.root(), root, 0) : Box3d();
 }
 
-void for_each_placement(const Scene& scene, const std::function<void(const Node&, std::span<const Mat4d>)>& visit)
+void for_each_placement(const Scene& scene, Contents::Kinds kinds,
+                        const std::function<void(const Node&, std::span<const Mat4d>)>& visit)
 {
+    const auto holds = [&](const Node* node) { return node && (kinds == 0 || node->contents.has(kinds)); };
     struct Place {
         NodeId id;
         std::vector<Mat4d> world_from_node;
@@ -116,8 +118,8 @@ void for_each_placement(const Scene& scene, const std::function<void(const Node&
         if (++visits > kMostListed) throw too_many_placements(node);
         visit(node, place.world_from_node);
         for (const NodeId child : node.children)
-            if (const Node* there = scene.find(child)) todo.push_back(below(place, child, *there));
-        if (scene.find(node.instance_of)) todo.push_back({node.instance_of, place.world_from_node, place.seen});
+            if (const Node* there = scene.find(child); holds(there)) todo.push_back(below(place, child, *there));
+        if (holds(scene.find(node.instance_of))) todo.push_back({node.instance_of, place.world_from_node, place.seen});
     }
 }
 

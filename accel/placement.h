@@ -21,7 +21,9 @@ bool moves_in_parent(const Node& node) noexcept;
 Box3d bounds_of_diced(const Scene& scene);
 
 /// Calls visit(node, world_from_node) for every placement that is visible at some time. world_from_node is given at each key
-/// of the shutter, or once if no transform on the way to the node changes.
-void for_each_placement(const Scene& scene, const std::function<void(const Node&, std::span<const Mat4d>)>& visit);
+/// of the shutter, or once if no transform on the way to the node changes. Throws Error if there are more than kMostListed.
+/// kinds   only nodes of which the subtree holds one of these are visited; 0: all are. The scene must be refitted.
+void for_each_placement(const Scene& scene, Contents::Kinds kinds,
+                        const std::function<void(const Node&, std::span<const Mat4d>)>& visit);
 
 }  // namespace occam::accel

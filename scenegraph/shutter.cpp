@@ -213,7 +213,9 @@ void add_deformed_cage(SegmentCount& count, const Place& place, const Node& node
             offsets.push_back({{Vec3d(of.lo), Vec3d(of.hi)}, frames});
             for (std::size_t k = 0; k < keys; ++k) offsets.back().frames[k] *= morphs.weights[m][k];
         }
-        count.add_box(frames, {Vec3d(box.lo) + morphs.still.lo, Vec3d(box.hi) + morphs.still.hi}, offsets);
+        const Vec3d off(slot.cage.is_displaced() ? double(slot.cage.displacement->bound) : 0.0);
+        const Box3d moved{Vec3d(box.lo) + morphs.still.lo - off, Vec3d(box.hi) + morphs.still.hi + off};
+        count.add_box(frames, moved, offsets);
     };
     const DeformBounds deform = slot.deform[0];
     if (!is_skinned) {

@@ -33,7 +33,7 @@ void for_each_shown(Scene& scene, Call&& call)
     scene.refit();
     TextureStore textures(std::size_t(1) << 30);
     if (scene.contents().has(Contents::Displaced)) textures.prepare(scene);
-    accel::for_each_placement(scene, [&](const Node& node, std::span<const Mat4d> world_from_node) {
+    accel::for_each_placement(scene, 0, [&](const Node& node, std::span<const Mat4d> world_from_node) {
         for (const CageId id : node.cages) {
             const CageSlot* slot = scene.find(id);
             if (!slot) continue;  // it was removed
