@@ -41,7 +41,7 @@ struct Channel {
     int width = 3;
 };
 struct Clip {
-    std::string name;
+    std::string name{};
     std::vector<Channel> channels{};
 };
 
@@ -71,7 +71,7 @@ struct ClipAt {
 Vec4d slerp(Vec4d a, Vec4d b, double t) noexcept;
 
 struct Skin {
-    std::string name;
+    std::string name{};
     std::vector<NodeId> joints{};
     std::vector<Mat4d> joint_from_mesh{};  ///< inverse bind matrices; empty: identity
 };

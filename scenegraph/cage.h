@@ -42,13 +42,13 @@ inline constexpr float kInfiniteSharpness = 10.0f;
 /// Texture coordinates. `indices` has one entry a face corner (as Cage::face_vertices); if it is empty, each vertex has a
 /// value.
 struct UvSet {
-    std::vector<Vec2f> values;  ///< in glTF's axes: v runs downwards, and (0, 0) is the image's top left
+    std::vector<Vec2f> values{};  ///< in glTF's axes: v runs downwards, and (0, 0) is the image's top left
     std::vector<std::uint32_t> indices{};
 };
 
 /// The offsets of one morph target; each array is empty or has one entry a vertex.
 struct MorphTarget {
-    std::string name;
+    std::string name{};
     std::vector<Vec3f> positions{}, normals{};
 };
 
@@ -68,7 +68,7 @@ struct Displacement {
         Tangent  ///< by such a vector in the surface's own axes: where u grows, where v falls, outward (those of normal
                  ///< maps)
     };
-    TextureUse texture;
+    TextureUse texture{};
     float scale = 0, midlevel = 0.5f;
     /// No point moves farther. Bounds of the surface are grown by it on all sides, so rays that are much finer than the
     /// bound look at much that they do not meet: it is best as small as the texture allows.
@@ -77,7 +77,7 @@ struct Displacement {
 };
 
 struct Cage {
-    std::string name;
+    std::string name{};
     Scheme scheme = Scheme::CatmullClark;
     BoundaryRule boundary = BoundaryRule::EdgeAndCorner;
     FaceVaryingRule face_varying = FaceVaryingRule::CornersPlus1;
@@ -123,7 +123,7 @@ struct Cage {
 
 /// A cage that is described by its bounds and is made when a ray first enters them.
 struct OnDemandCage {
-    std::string name;
+    std::string name{};
     Box3d bounds{};  ///< object axes; not empty; holds every vertex of the cage that `make` returns
     /// Makes the cage. It must be a pure function: any thread calls it, perhaps more than once, and it must return the same
     /// cage each time. That cage has no skin, no morph targets and no displacement, and its materials are those below. If

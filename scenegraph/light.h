@@ -32,7 +32,7 @@ struct AreaLight {
 };
 
 struct Light {
-    std::string name;
+    std::string name{};
     std::variant<PointLight, SunLight, AreaLight> kind{};
     LightGroups groups = kAllGroups;  ///< it lights the surfaces that belong to one of these groups
 };

@@ -17,7 +17,7 @@ enum class TextureRole : std::uint8_t { Color, Data };
 struct Texture {
     std::string name{};
     TextureRole role = TextureRole::Color;
-    std::filesystem::path path;                               ///< a file, if `encoded` and `pixels` are empty
+    std::filesystem::path path{};                             ///< a file, if `encoded` and `pixels` are empty
     std::shared_ptr<const std::vector<std::byte>> encoded{};  ///< a whole image file in memory (GLB, data URI)
     std::vector<Vec4f> pixels{};                              ///< or linear RGBA, row-major from the top left
     int width = 0, height = 0;                                ///< size of `pixels`

@@ -25,6 +25,12 @@ TEST(ApiStructs, AreFilledByTheNamesOfAFewMembers)
     EXPECT_TRUE(Channel{.width = 4}.times.empty() && MorphTarget{.name = "smile"}.positions.empty());
     EXPECT_TRUE(UvSet{.values = {Vec2f(0)}}.indices.empty());
     EXPECT_FALSE(TextureUse{.nearest = true}.texture);
+    // The first member may be left out, too.
+    EXPECT_TRUE(Cage{.scheme = Scheme::Bilinear}.name.empty() && OnDemandCage{.bounds = {}}.name.empty());
+    EXPECT_TRUE(Light{.kind = PointLight{}}.name.empty() && Clip{.channels = {}}.name.empty());
+    EXPECT_TRUE(Skin{.joints = {}}.name.empty() && MorphTarget{.positions = {}}.name.empty());
+    EXPECT_TRUE(Texture{.width = 1}.path.empty() && UvSet{.indices = {}}.values.empty());
+    EXPECT_FALSE(Displacement{.scale = 1}.texture);
 }
 
 TEST(ApiImages, WithoutTheLayerThatAFormatHoldsAreRefused)
