@@ -83,7 +83,7 @@ public:
         if (grid_.hanging_blocks > 0) gaps_packet(active, blends);
     }
 
-    /// Copies ray `lane` of the query to all lanes.
+    /// All lanes hold ray `lane` of the query.
     void single(int lane) noexcept
     {
         if constexpr (Coordinates::kMove)

@@ -126,7 +126,7 @@ public:
     std::string name_of_largest() const;
 
     /// Makes the parts of an item that is not final: [first_part, first_part + part_count) afterwards. For a Leaf that
-    /// was not examined yet, it finds the pair from which on it is final. Items may move in memory. Returns whether
+    /// was not examined yet, it finds the pair from which on it is final. Returns whether
     /// there are parts.
     bool open(ItemIndex i, int pair);
     /// Returns the igrid that rays of a pair see in the item, which is final for that pair. It is built now if this is

@@ -93,7 +93,7 @@ public:
         }
     }
 
-    /// Copies ray `lane` of the query are in all lanes.
+    /// All lanes hold ray `lane` of the query.
     void single(int lane) noexcept
     {
         const VecLanes origin{ray_.origin[axes_[0]], ray_.origin[axes_[1]], ray_.origin[axes_[2]]};

@@ -80,8 +80,8 @@ VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const Veri
 std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings);
 
 /// Traces a ray of the test again, as the line describes it (verify/ray_line.h), and writes to `out` what it does. Of the
-/// settings only the overlap counts. Returns false if the ray escapes or its hit is not finite. Throws Error for a line that
-/// cannot be read, and for a cage that cannot be tested.
+/// settings the overlap counts, and the largest rate, by which the start is judged. Returns false if the ray escapes or
+/// its hit is not finite. Throws Error for a line that cannot be read, and for a cage that cannot be tested.
 bool replay(Scene& scene, const VerifySettings& settings, std::string_view line, std::ostream& out);
 
 }  // namespace occam
