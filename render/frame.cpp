@@ -44,8 +44,12 @@ std::unique_ptr<FrameSums> sums_of(const FrameInputs& in)
 }
 
 // Returns a hash of what the picture shows, and of how much smaller textures are than their images: other budgets of
-// textures may make another picture.
-std::uint64_t scene_hash(const FrameInputs& in) { return content_hash(in.scene) ^ in.textures.halvings_hash(); }
+// textures may make another picture. The slots of nodes count where the picture shows them.
+std::uint64_t scene_hash(const FrameInputs& in)
+{
+    const bool shows_slots = in.settings.has(Aov::Id) || in.settings.view == View::Face;
+    return (shows_slots ? content_and_slots_hash(in.scene) : content_hash(in.scene)) ^ in.textures.halvings_hash();
+}
 
 // Develops what an earlier run has made, and sets the counts of samples in the picture to its own. Returns the number of
 // its samples, counting one pixel of each tile.

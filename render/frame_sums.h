@@ -45,7 +45,7 @@ public:
                std::size_t first);
 
     int least_samples() const noexcept;  ///< the smallest number of samples of any tile
-    /// scene_hash   content_hash() of the scene
+    /// scene_hash   content_hash() of the scene, or content_and_slots_hash() where the picture shows slots
     std::string checkpoint(std::uint64_t scene_hash) const;
     /// Continues from a checkpoint. Throws Error if it is not a checkpoint of this frame.
     void restore(std::string_view checkpoint, std::uint64_t scene_hash);

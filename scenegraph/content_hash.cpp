@@ -15,7 +15,7 @@ bool counts(const Node& node) noexcept { return node.is_visible_in_shutter() || 
 
 class Walk {
 public:
-    explicit Walk(const Scene& scene) : scene_(scene) {}
+    Walk(const Scene& scene, bool has_slots) : scene_(scene), has_slots_(has_slots) {}
 
     std::uint64_t hash()
     {
@@ -92,7 +92,9 @@ private:
     }
     void refer(NodeId id)
     {
-        if (is_new(nodes_, id, scene_.find(id) != nullptr)) todo_.push_back(id);
+        if (!is_new(nodes_, id, scene_.find(id) != nullptr)) return;
+        if (has_slots_) add(id.slot);
+        todo_.push_back(id);
     }
     void add_texture(TextureId id)
     {
@@ -127,6 +129,7 @@ private:
     void add_node(const Node& node);
 
     const Scene& scene_;
+    const bool has_slots_;
     std::uint64_t hash_ = kFnvStart;
     std::vector<NodeId> todo_;
     std::unordered_map<NodeId, std::uint64_t> nodes_;
@@ -213,6 +216,7 @@ void Walk::add_node(const Node& node)
 
 }  // namespace
 
-std::uint64_t content_hash(const Scene& scene) { return Walk(scene).hash(); }
+std::uint64_t content_hash(const Scene& scene) { return Walk(scene, false).hash(); }
+std::uint64_t content_and_slots_hash(const Scene& scene) { return Walk(scene, true).hash(); }
 
 }  // namespace occam

@@ -16,5 +16,8 @@ namespace occam {
 
 /// Returns the hash. The scene must be refitted.
 std::uint64_t content_hash(const Scene& scene);
+/// Returns a hash of the same content and of the slots of its nodes, which the layer "id" and the view of faces show. It
+/// depends on what was added and removed before.
+std::uint64_t content_and_slots_hash(const Scene& scene);
 
 }  // namespace occam

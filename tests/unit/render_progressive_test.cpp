@@ -203,6 +203,44 @@ TEST(Progressive, ACheckpointOfAnotherPictureOrADamagedOneIsRefused)
     EXPECT_TRUE(renderer.start(same.scene, same.camera, same.settings, good).stats().complete);
 }
 
+// The layer `id` and the view of faces show slots of handles, which depend on what was added and removed before.
+TEST(Progressive, ACheckpointOfTheSameSceneWithOtherNumbersIsRefusedWhereTheyShow)
+{
+    const auto scene_after = [](int passing_nodes) {
+        Scene scene;
+        std::vector<NodeId> passing;
+        for (int i = 0; i < passing_nodes; ++i) passing.push_back(scene.add_node(scene.root(), {}));
+        NodeDesc desc;
+        desc.cages = {scene.add(test::textured_square())};
+        scene.add_node(scene.root(), desc);
+        for (const NodeId id : passing) scene.remove(id);
+        return scene;
+    };
+    Scene plain = scene_after(0), edited = scene_after(5);
+    const Camera camera = Camera::framing(plain.bounds());
+    Renderer renderer({.threads = 1});
+    const auto is_taken = [&](Settings settings, Scene& by) {
+        settings.width = settings.height = 8;
+        settings.spp = 2;
+        settings.deadline_s = 1e-9;
+        const std::string checkpoint = renderer.start(plain, camera, settings).checkpoint();
+        EXPECT_FALSE(checkpoint.empty());
+        settings.deadline_s = 0;
+        const Job job = renderer.start(by, camera, settings, checkpoint);
+        try {
+            return job.stats().complete;
+        } catch (const Error&) {
+            return false;
+        }
+    };
+    for (const Settings& shows : {Settings{.aovs = Aov::Id}, Settings{.view = View::Face}}) {
+        EXPECT_FALSE(is_taken(shows, edited)) << "one node would have two numbers in the picture";
+        EXPECT_TRUE(is_taken(shows, plain));
+    }
+    EXPECT_TRUE(is_taken({.aovs = Aov::Depth}, edited));
+    EXPECT_TRUE(is_taken({.view = View::Normal}, edited));
+}
+
 // The lights of this scene take so long to gather that the frame is cancelled meanwhile.
 TEST(Progressive, APictureThatIsCancelledBeforeItGoesOnIsThatOfTheCheckpoint)
 {

@@ -68,6 +68,24 @@ TEST(ContentHash, IsTheSameForScenesThatShowTheSame)
     EXPECT_EQ(subject.hash(), other.hash()) << "nor do keys that were dropped";
 }
 
+TEST(ContentHash, CountsTheSlotsOfNodesOnlyWhereItIsToldTo)
+{
+    HashedScene subject, other, shifted;
+    const auto slots_hash = [](HashedScene& of) {
+        of.scene.refit();
+        return content_and_slots_hash(of.scene);
+    };
+    EXPECT_EQ(slots_hash(subject), slots_hash(other));
+    EXPECT_NE(slots_hash(subject), subject.hash());
+    other.scene.add_node(other.hidden, {});
+    EXPECT_EQ(slots_hash(subject), slots_hash(other)) << "what is hidden does not count";
+    const NodeId passing = shifted.scene.add_node(shifted.group, {});
+    for (HashedScene* of : {&subject, &shifted}) of->scene.add_node(of->scene.root(), {.cages = {of->mesh}});
+    shifted.scene.remove(passing);
+    EXPECT_EQ(subject.hash(), shifted.hash());
+    EXPECT_NE(slots_hash(subject), slots_hash(shifted));
+}
+
 TEST(ContentHash, DoesNotCountCagesThatWereRemoved)
 {
     HashedScene subject;

@@ -139,7 +139,9 @@ public:
     /// scene, camera and settings: the frame then continues from there, and its picture has the same bits as one that was
     /// never stopped. The job fails if the checkpoint belongs to another picture. Scenes are compared by a hash over
     /// the environment, all visible nodes in their order, also such as hold nothing, and what they hold; of an image in a
-    /// file it knows the path, and of a cage on demand its name, bounds and materials.
+    /// file it knows the path, and of a cage on demand its name, bounds and materials. With Aov::Id or View::Face it also
+    /// knows the slots of the handles of nodes (NodeId::slot), which these show: the checkpoint then belongs to a scene
+    /// whose nodes were added and removed in the same order.
     /// Throws what render() throws, and Error if the system gives no thread for the frame; render() does without one.
     Job start(Scene& scene, const Camera& camera, const Settings& settings = {}, std::string checkpoint = {});
     /// Traces one sample of the picture that render() would make, and writes to `out` what each of its rays does and how
