@@ -9,9 +9,10 @@ namespace occam {
 
 namespace {
 
-class Copier {
+// Goes through a file and moves what it keeps to the front.
+class Sieve {
 public:
-    explicit Copier(std::span<const std::byte> file) : file_(file) { out_.reserve(file.size()); }
+    explicit Sieve(std::vector<std::byte>& file) : file_(file) {}
 
     std::size_t left() const noexcept { return file_.size() - at_; }
     /// Returns the byte `ahead` of the current position; 0 beyond the end.
@@ -26,53 +27,53 @@ public:
         return value;
     }
     void skip(std::size_t bytes) noexcept { at_ += std::min(bytes, left()); }
-    void copy(std::size_t bytes)
+    void keep(std::size_t bytes)
     {
-        const auto part = file_.subspan(at_, std::min(bytes, left()));
-        out_.insert(out_.end(), part.begin(), part.end());
-        skip(bytes);
+        const std::size_t count = std::min(bytes, left());
+        if (kept_ != at_ && count > 0) std::memmove(&file_[kept_], &file_[at_], count);
+        kept_ += count;
+        skip(count);
     }
-    std::vector<std::byte> take() { return std::move(out_); }
+    void finish() { file_.resize(kept_); }
 
 private:
-    std::span<const std::byte> file_;
-    std::vector<std::byte> out_;
-    std::size_t at_ = 0;
+    std::vector<std::byte>& file_;
+    std::size_t at_ = 0, kept_ = 0;
 };
 
 // Keeps the critical chunks, which an upper-case first letter marks (PNG, sec. 5.4), and tRNS, the only other one that
 // changes texels.
-std::vector<std::byte> without_png_metadata(std::span<const std::byte> file)
+void remove_png_metadata(std::vector<std::byte>& file)
 {
     constexpr std::uint32_t kLowerCase = 0x20, kTransparency = 0x74524e53;
     constexpr std::size_t kMagic = 8, kAround = 12;
-    Copier copier(file);
-    copier.copy(kMagic);
-    while (copier.left() > 0) {
-        const std::size_t size = kAround + copier.big_endian(0, 4);
-        if ((copier.byte(4) & kLowerCase) != 0 && copier.big_endian(4, 4) != kTransparency) copier.skip(size);
-        else copier.copy(size);
+    Sieve sieve(file);
+    sieve.keep(kMagic);
+    while (sieve.left() > 0) {
+        const std::size_t size = kAround + sieve.big_endian(0, 4);
+        if ((sieve.byte(4) & kLowerCase) != 0 && sieve.big_endian(4, 4) != kTransparency) sieve.skip(size);
+        else sieve.keep(size);
     }
-    return copier.take();
+    sieve.finish();
 }
 
 // Leaves out application segments and comments before the first scan (JPEG: ITU T.81, annex B), except those of JFIF and
 // Adobe, which say what the components are.
-std::vector<std::byte> without_jpeg_metadata(std::span<const std::byte> file)
+void remove_jpeg_metadata(std::vector<std::byte>& file)
 {
     constexpr std::uint32_t kApp0 = 0xe0, kApp14 = 0xee, kApp15 = 0xef, kComment = 0xfe, kScan = 0xda;
-    Copier copier(file);
-    copier.copy(2);
-    while (copier.left() > 4 && copier.byte(0) == 0xff && copier.byte(1) != kScan) {
-        const std::uint32_t marker = copier.byte(1);
+    Sieve sieve(file);
+    sieve.keep(2);
+    while (sieve.left() > 4 && sieve.byte(0) == 0xff && sieve.byte(1) != kScan) {
+        const std::uint32_t marker = sieve.byte(1);
         const bool is_bare = marker == 0xff || marker == 0x01 || (marker >= 0xd0 && marker <= 0xd8);
-        const std::size_t size = marker == 0xff ? 1 : is_bare ? 2 : 2 + copier.big_endian(2, 2);
+        const std::size_t size = marker == 0xff ? 1 : is_bare ? 2 : 2 + sieve.big_endian(2, 2);
         const bool describes = (marker > kApp0 && marker <= kApp15 && marker != kApp14) || marker == kComment;
-        if (describes) copier.skip(size);
-        else copier.copy(size);
+        if (describes) sieve.skip(size);
+        else sieve.keep(size);
     }
-    copier.copy(copier.left());
-    return copier.take();
+    sieve.keep(sieve.left());
+    sieve.finish();
 }
 
 // The first directory of a TIFF in memory (TIFF 6.0, sec. 2), or of a BigTIFF, in which numbers of entries, counts and
@@ -201,23 +202,20 @@ private:
 };
 
 // Gives descriptive entries of the first directory a tag number that no reader knows.
-std::vector<std::byte> without_tiff_metadata(std::span<const std::byte> file)
+void remove_tiff_metadata(std::vector<std::byte>& file)
 {
-    std::vector<std::byte> out(file.begin(), file.end());
-    TiffDirectory directory(out);
+    TiffDirectory directory(file);
     directory.rename_metadata();
     directory.write_default_bits();
-    return out;
 }
 
 }  // namespace
 
-std::vector<std::byte> without_metadata(std::span<const std::byte> file, std::string_view format)
+void remove_metadata(std::vector<std::byte>& file, std::string_view format)
 {
-    if (format == "png") return without_png_metadata(file);
-    if (format == "jpeg") return without_jpeg_metadata(file);
-    if (format == "tiff") return without_tiff_metadata(file);
-    return {file.begin(), file.end()};
+    if (format == "png") remove_png_metadata(file);
+    if (format == "jpeg") remove_jpeg_metadata(file);
+    if (format == "tiff") remove_tiff_metadata(file);
 }
 
 Orientation take_tiff_orientation(std::vector<std::byte>& file)

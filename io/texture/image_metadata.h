@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
 #include <string_view>
 #include <vector>
 
@@ -10,11 +9,11 @@
 
 namespace occam {
 
-/// Returns a copy of a PNG, JPEG or TIFF (`format` as given by image_format()) without colour profiles, EXIF and texts:
-/// OpenImageIO 2.4 reads profiles past their end, and nothing here uses them. Parts that break the format's rules are copied
-/// as they are. In a TIFF that leaves out its bits per sample, whose default OpenImageIO takes to be 8, they are 1 as the
-/// format says. Other formats are copied unchanged. A PNG must not be cut off.
-std::vector<std::byte> without_metadata(std::span<const std::byte> file, std::string_view format);
+/// Removes colour profiles, EXIF and texts from a PNG, JPEG or TIFF (`format` as given by image_format()), in place, since
+/// files may be long: OpenImageIO 2.4 reads profiles past their end, and nothing here uses them. Parts that break the
+/// format's rules stay as they are. In a TIFF that leaves out its bits per sample, whose default OpenImageIO takes to be 8,
+/// they are 1 afterwards, as the format says. Files of other formats stay as they are. A PNG must not be cut off.
+void remove_metadata(std::vector<std::byte>& file, std::string_view format);
 
 /// Returns how the rows of a TIFF lie, by its tag Orientation (TIFF 6.0, sec. 8), and makes the tag say that they begin at
 /// the top left: of some kinds of pixels libtiff turns the rows, of others it does not.

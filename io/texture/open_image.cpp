@@ -11,6 +11,7 @@
 #include "io/png_file.h"
 #include "io/texture/color_maps.h"
 #include "io/texture/image_header.h"
+#include "io/texture/image_length.h"
 #include "io/texture/image_metadata.h"
 #include "io/texture/jpeg_head.h"
 #include "io/texture/pnm_samples.h"
@@ -54,7 +55,8 @@ public:
         OpenImage image;
         std::string why;
         if (format_ == "png" || format_ == "jpeg" || format_ == "tiff") {
-            image.bytes = without_metadata(whole(), format_);
+            image.bytes = whole();
+            remove_metadata(image.bytes, format_);
             if (format_ == "jpeg") check_scans(image.bytes);
             if (format_ == "tiff") image.orientation = take_tiff_orientation(image.bytes);
             image.reader = format_ == "png" ? open_png(ImageBytes(std::span(std::as_const(image.bytes))), why)
@@ -97,8 +99,24 @@ private:
         if (declares_too_much(wide * high, bytes_.size())) refuse("image declares far more than the file holds: " + size);
     }
 
+    bool is_read_as_a_whole()
+    {
+        return format_ == "png" || format_ == "jpeg" || format_ == "tiff" || has_color_numbers(bytes_, format_) ||
+               place_of_multiplied_dds(bytes_) || (format_ == "pnm" && read_head_of_few_values(bytes_));
+    }
+
+    // Few bytes on a disk may be a long file, and what is read takes memory for all of it.
+    void check_length()
+    {
+        if (!is_read_as_a_whole()) return;
+        if (const std::uintmax_t most = most_bytes_of_file(bytes_, format_, limits_); bytes_.size() > most)
+            refuse("the file is longer than is read for the image that it declares: " + std::to_string(bytes_.size() >> 20) +
+                   " MB, and at most " + std::to_string(most >> 20) + " MB");
+    }
+
     void check_header()
     {
+        check_length();
         if (is_cut_off_png(bytes_) || is_cut_off_exr(bytes_)) refuse("the image is cut off");
         if (has_foreign_pixels_dds(bytes_))
             refuse("the DDS file is a cube map or a volume, or its pixels are of a kind that is not read");

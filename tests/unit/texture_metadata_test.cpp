@@ -4,6 +4,9 @@
 
 #include <fstream>
 #include <iterator>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "io/texture/image_metadata.h"
 #include "tests/support/temp_folder.h"
@@ -22,6 +25,13 @@ bool contains(const std::vector<std::byte>& bytes, std::string_view word)
 {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     return text.find(word) != std::string_view::npos;
+}
+
+std::vector<std::byte> without_metadata(std::span<const std::byte> file, std::string_view format)
+{
+    std::vector<std::byte> left(file.begin(), file.end());
+    remove_metadata(left, format);
+    return left;
 }
 
 // Writes a ramp with a profile, a description and an author, and returns its path.
