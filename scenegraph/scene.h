@@ -282,6 +282,8 @@ public:
     const CageSlot* find(CageId id) const noexcept;
     const Material* find(MaterialId id) const noexcept;
     const Texture* find(TextureId id) const noexcept;
+    /// Returns the texture as it is now, which no edit changes; null for a dead handle.
+    std::shared_ptr<const Texture> share(TextureId id) const noexcept;
     const Light* find(LightId id) const noexcept;
     const SkinSlot* find(SkinId id) const noexcept;
     const Clip* find(ClipId id) const noexcept;

@@ -154,10 +154,8 @@ TextureId Scene::add(Texture texture)
 {
     state_->require_editable();
     check(texture);
-    State::TextureRecord record;
-    static_cast<Texture&>(record) = std::move(texture);
-    record.added = record.identity = next_identity();
-    return state_->textures.add(std::move(record));
+    const std::uint64_t added = texture.identity = next_identity();
+    return state_->textures.add({std::make_shared<Texture>(std::move(texture)), added, {}, {}});
 }
 LightId Scene::add(Light light)
 {
@@ -217,7 +215,7 @@ void Scene::remove(TextureId id)
     state_->require_editable();
     const State::TextureRecord& texture = State::at(state_->textures, id, "texture");
     const auto is_it = [&](const TextureUse* use) { return use->texture == id; };
-    const auto refuse = [&](const std::string& user) { throw is_used(named("texture", texture.name, id), user); };
+    const auto refuse = [&](const std::string& user) { throw is_used(named("texture", texture.texture->name, id), user); };
     if (environment.image == id) refuse("the environment");
     for (const MaterialId user : texture.materials.ids()) {
         const Material* material = find(user);
@@ -253,7 +251,7 @@ void Scene::remove(ClipId id)
 
 const CageSlot& Scene::cage(CageId id) const { return State::at(state_->cages, id, "cage"); }
 const Material& Scene::material(MaterialId id) const { return State::at(state_->materials, id, "material"); }
-const Texture& Scene::texture(TextureId id) const { return State::at(state_->textures, id, "texture"); }
+const Texture& Scene::texture(TextureId id) const { return *State::at(state_->textures, id, "texture").texture; }
 const Light& Scene::light(LightId id) const { return State::at(state_->lights, id, "light"); }
 const CameraLens& Scene::camera_lens(CameraId id) const { return State::at(state_->cameras, id, "camera"); }
 const Clip& Scene::clip(ClipId id) const { return State::at(state_->clips, id, "clip"); }
@@ -322,10 +320,10 @@ void Scene::replace(MaterialId id, Material material)
 void Scene::replace(TextureId id, Texture texture)
 {
     state_->require_editable();
-    Texture& known = State::at(state_->textures, id, "texture");
+    State::TextureRecord& known = State::at(state_->textures, id, "texture");
     check(texture);
-    known = std::move(texture);
-    known.identity = next_identity();
+    texture.identity = next_identity();
+    known.texture = std::make_shared<Texture>(std::move(texture));
 }
 void Scene::replace(LightId id, Light light)
 {
@@ -345,7 +343,7 @@ void Scene::replace(CameraId id, CameraLens lens)
 const Node* Scene::find(NodeId id) const noexcept { return state_->nodes.find(id); }
 const CageSlot* Scene::find(CageId id) const noexcept { return state_->cages.find(id); }
 const Material* Scene::find(MaterialId id) const noexcept { return state_->materials.find(id); }
-const Texture* Scene::find(TextureId id) const noexcept { return state_->textures.find(id); }
+const Texture* Scene::find(TextureId id) const noexcept { return share(id).get(); }
 const Light* Scene::find(LightId id) const noexcept { return state_->lights.find(id); }
 
 const std::vector<ClipId>& Scene::clips() const noexcept { return state_->clip_order; }

@@ -72,6 +72,12 @@ Contents::Kinds kinds_of(const Material& m) noexcept
         (bounds_absorbing_body(m) ? Contents::Absorbing : 0));
 }
 
+std::shared_ptr<const Texture> Scene::share(TextureId id) const noexcept
+{
+    const State::TextureRecord* known = state_->textures.find(id);
+    return known ? known->texture : nullptr;
+}
+
 bool Scene::is_cut_out_by(TextureId id) const noexcept
 {
     const State::TextureRecord* texture = state_->textures.find(id);

@@ -65,10 +65,12 @@ public:
     {
         for (const TextureId old : part_scene_.texture_ids())
             textures_.add(old, [&] {
-                TextureRecord record;
-                static_cast<Texture&>(record) = std::move(*part_.textures.find(old));
-                record.added = record.identity = next_identity();  // renderers know it by its old handle
-                return to_.textures.add(std::move(record));
+                // Renderers know it by its old identity, and one that has not decoded it yet keeps it as it is.
+                const std::shared_ptr<Texture>& known = part_.textures.find(old)->texture;
+                const bool is_shared = known.use_count() > 1;
+                auto texture = is_shared ? std::make_shared<Texture>(*known) : std::make_shared<Texture>(std::move(*known));
+                const std::uint64_t added = texture->identity = next_identity();
+                return to_.textures.add({std::move(texture), added, {}, {}});
             });
     }
     void move_materials()

@@ -199,7 +199,8 @@ struct Scene::State {
         Watchers users;             ///< nodes whose override names the material
         WatcherList<CageId> cages;  ///< cages that name it
     };
-    struct TextureRecord : Texture {
+    struct TextureRecord {
+        std::shared_ptr<Texture> texture;   ///< renderers hold it until they have decoded it, so only replace() changes it
         std::uint64_t added = 0;            ///< rises from one added texture to the next; replace() leaves it as it is
         WatcherList<MaterialId> materials;  ///< materials that use the texture
         WatcherList<CageId> cages;          ///< cages that it displaces

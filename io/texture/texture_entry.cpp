@@ -1,5 +1,9 @@
 #include "io/texture/texture_entry.h"
 
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
 #include "base/error.h"
 #include "base/stopwatch.h"
 #include "io/texture/decode.h"
@@ -15,12 +19,17 @@ std::string name_of(const Texture& texture)
 
 }  // namespace
 
-TextureEntry::TextureEntry(const Texture& texture, std::atomic<bool>& has_failed, DecodeBudget& budget)
-    : description_(texture), has_failed_(has_failed)
+TextureEntry::TextureEntry(std::shared_ptr<const Texture> shared, std::atomic<bool>& has_failed, DecodeBudget& budget)
+    : source_(std::move(shared)),
+      name_(name_of(*source_)),
+      identity_(source_->identity),
+      role_(source_->role),
+      has_failed_(has_failed)
 {
+    const Texture& texture = *source_;
     std::error_code ignored;
     if (!texture.encoded && texture.pixels.empty() && !std::filesystem::is_regular_file(texture.path, ignored)) {
-        warnings_.push_back(name_of(texture) + ": there is no such image file: it is grey");
+        warnings_.push_back(name_ + ": there is no such image file: it is grey");
         return;
     }
     try {
@@ -30,9 +39,9 @@ TextureEntry::TextureEntry(const Texture& texture, std::atomic<bool>& has_failed
         is_tiled_file_ = source.is_tiled_file();
         has_alpha_ = source.has_alpha();
         if (source.has_texels_of_another_role())
-            warnings_.push_back(name_of(texture) + (texture.role == TextureRole::Data
-                                                        ? ": it was made for colours (occam texture without --data)"
-                                                        : ": it was not made for colours (occam texture --data)"));
+            warnings_.push_back(name_ + (role_ == TextureRole::Data
+                                             ? ": it was made for colours (occam texture without --data)"
+                                             : ": it was not made for colours (occam texture --data)"));
         if (texture.encoded) file_bytes_ = texture.encoded->size();
         else if (texture.pixels.empty()) file_bytes_ = std::filesystem::file_size(texture.path, ignored);
         bytes_to_decode_ = is_tiled_file_ ? std::uintmax_t(width_) * std::uintmax_t(height_) : source.bytes_to_decode();
@@ -51,11 +60,11 @@ std::size_t TextureEntry::bytes_of(int halvings) const
 void TextureEntry::keep(TextureKeeping how)
 {
     keeping_ = how;
-    const bool is_file = !description_.encoded && description_.pixels.empty();
-    if (how.is_in_tiles) tiles_ = std::make_unique<TiledFile>(description_.path, name_of(description_), width_, height_);
+    const bool is_file = !source_->encoded && source_->pixels.empty();
+    if (how.is_in_tiles) tiles_ = std::make_unique<TiledFile>(source_->path, name_, width_, height_);
     if (how.halvings > 0)
-        warnings_.push_back(name_of(description_) + ": halved " + std::to_string(how.halvings) +
-                            " times to fit the texture memory" +
+        warnings_.push_back(name_ + ": halved " + std::to_string(how.halvings) + (how.halvings == 1 ? " time" : " times") +
+                            " to fit the texture memory" +
                             (is_file ? "; a file that occam texture makes of it is not halved" : ""));
 }
 
@@ -92,19 +101,17 @@ void TextureEntry::decode()
     if (width_ == 0) return;
     const auto start = Clock::now();
     try {
-        const TextureSource source(description_);
+        const TextureSource source(*source_);
         if (source.width() != width_ || source.height() != height_)
-            throw Error(name_of(description_), "the image has changed while the scene was rendered");
+            throw Error(name_, "the image has changed while the scene was rendered");
         decoded_ = std::make_unique<const MipImage>(source.decode(keeping_.halvings, keeping_.is_weighted));
-        description_.pixels = {};
+        source_.reset();
         if (const std::size_t texels = decoded_->clamped_texels())
             warnings_.push_back(
-                name_of(description_) +
-                ": texels that are not finite numbers, or above 65504, were clamped: " + std::to_string(texels));
-        const bool is_color = description_.role == TextureRole::Color;
+                name_ + ": texels that are not finite numbers, or above 65504, were clamped: " + std::to_string(texels));
+        const bool is_color = role_ == TextureRole::Color;
         if (const std::size_t texels = decoded_->texels_below_0(); is_color && texels > 0)
-            warnings_.push_back(name_of(description_) +
-                                ": texels with a colour below 0, which counts as 0: " + std::to_string(texels));
+            warnings_.push_back(name_ + ": texels with a colour below 0, which counts as 0: " + std::to_string(texels));
     } catch (const std::bad_alloc&) {
         lacks_memory_ = true;  // a line for it would need memory, too
         has_failed_ = true;
@@ -122,8 +129,7 @@ void TextureEntry::add_error(const std::exception& error) noexcept
     try {
         // What a library throws names no file.
         const bool is_named = dynamic_cast<const Error*>(&error) != nullptr;
-        errors_.push_back(is_named ? error.what()
-                                   : Error(name_of(description_), "image cannot be read", error.what()).what());
+        errors_.push_back(is_named ? error.what() : Error(name_, "image cannot be read", error.what()).what());
     } catch (const std::bad_alloc&) {
         lacks_memory_ = true;
     }

@@ -34,14 +34,15 @@ class TextureEntry {
 public:
     /// Opens the image to learn its size. Throws std::bad_alloc alone: a missing texture has a warning and no size, and one
     /// that cannot be opened has an error and no size.
+    /// texture      is shared with the scene until it is decoded, and not copied
     /// has_failed   is set if the image cannot be read, now or later; it must outlive the entry
     /// budget       of all images of the scene
-    TextureEntry(const Texture& texture, std::atomic<bool>& has_failed, DecodeBudget& budget);
+    TextureEntry(std::shared_ptr<const Texture> texture, std::atomic<bool>& has_failed, DecodeBudget& budget);
 
     /// Returns the bytes of the image with all its levels, if it is halved that often; 0 if it cannot be opened.
     std::size_t bytes_of(int halvings) const;
     bool is_readable() const { return width_ > 0; }
-    std::uint64_t identity() const { return description_.identity; }
+    std::uint64_t identity() const { return identity_; }
     /// Returns the bytes that decoding will make, one for each texel of a tiled file, of which few may be looked up, and the
     /// bytes of the file from which they come; both are 0 for texels that are in memory.
     std::uintmax_t bytes_to_decode() const { return bytes_to_decode_; }
@@ -109,7 +110,10 @@ private:
     void add_error(const std::exception& error) noexcept;
 
     std::atomic<const MipImage*> ready_{nullptr};
-    Texture description_;
+    std::shared_ptr<const Texture> source_;  ///< null from when it is decoded
+    const std::string name_;
+    const std::uint64_t identity_;
+    const TextureRole role_;
     std::atomic<bool>& has_failed_;
     int width_ = 0, height_ = 0;
     bool is_tiled_file_ = false, has_alpha_ = false;

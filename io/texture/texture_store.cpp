@@ -41,9 +41,9 @@ struct Plan {
 };
 
 // Plans the memory of the textures: tiled files are read in tiles, unless their colours are weighted by alpha, which those
-// of the tiles are not. If the others do not fit beside a quarter for these, or
-// beside all of these, the largest are halved until they do. Sizes alone decide, so the outcome depends neither on which
-// textures are looked up, nor on the number of threads, nor on what earlier frames knew.
+// of the tiles are not. If the others do not fit beside a quarter for these, or beside all of these, the largest are halved
+// until they do. Sizes alone decide, so the outcome depends neither on which textures are looked up, nor on the number of
+// threads, nor on what earlier frames knew.
 Plan plan_for(const std::vector<std::shared_ptr<TextureEntry>>& entries, const std::vector<bool>& are_weighted,
               std::size_t bytes)
 {
@@ -216,7 +216,8 @@ void TextureStore::prepare(const Scene& scene)
         const Texture& texture = scene.texture(id);
         const auto known = state_->entries.find(texture.identity);
         is_fresh.push_back(known == state_->entries.end() || known->second->lacks_memory());
-        all.push_back(is_fresh.back() ? std::make_shared<TextureEntry>(texture, state_->has_failed, budget) : known->second);
+        all.push_back(is_fresh.back() ? std::make_shared<TextureEntry>(scene.share(id), state_->has_failed, budget)
+                                      : known->second);
         if (is_fresh.back()) fresh.push_back(all.back().get());
         are_weighted.push_back(all.back()->has_alpha() && scene.is_cut_out_by(id));
         is_weighting_known &= all.back()->keeping().is_weighted == are_weighted.back();
@@ -231,7 +232,7 @@ void TextureStore::prepare(const Scene& scene)
         const Texture& texture = scene.texture(ids[i]);
         std::shared_ptr<TextureEntry>& entry = all[i];
         if (entry->keeping() != plan.keepings[i]) {
-            if (!is_fresh[i]) entry = std::make_shared<TextureEntry>(texture, state_->has_failed, budget);
+            if (!is_fresh[i]) entry = std::make_shared<TextureEntry>(scene.share(ids[i]), state_->has_failed, budget);
             entry->keep(plan.keepings[i]);
         }
         entries[texture.identity] = entry;

@@ -1,12 +1,13 @@
 // The textures of a scene, ready for lookup: each is decoded when a lookup first asks for it, made linear, and kept as
 // half-float MIP levels.
 //
-// Memory   at most the cap given at construction, if textures of a single tile each fit into it and 2 MB of tiles beside
-// them. The sizes of all textures
-//          of the scene are known before the first lookup. Those whose files `occam texture` has made (TiledFile) are read
-//          tile by tile, which changes no texel. If the others would not all fit into what the tiles leave, at least three
-//          quarters, the largest are halved until they do. So a picture depends neither on which textures are decoded nor
-//          on those of earlier frames. A renderer owns the store.
+// Memory   at most the cap given at construction, if all textures fit into it once each is halved down to a single tile,
+//          and 2 MB of tiles beside them. The sizes of all textures of the scene are known before the first lookup. Those
+//          whose files `occam texture` has made (TiledFile) are read tile by tile, which changes no texel. If the others
+//          would not all fit into what the tiles leave, at least three quarters, the largest are halved until they do. So a
+//          picture depends neither on which textures are decoded nor on those of earlier frames. A renderer owns the store.
+//          What the scene holds in memory, pixels or the bytes of a file, is not copied: the store shares it, also after the
+//          scene has removed it, until it is decoded or prepare() forgets it.
 // Alpha    a texture that only cuts out materials (Scene::is_cut_out_by()) is filtered with alpha as the weight of its
 //          colours, so that what lies under its transparent texels is seen nowhere.
 // Threads  prepare() is called by one thread while no other looks up. After that any number of threads may call sample().

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <filesystem>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -94,7 +95,7 @@ TEST(TextureDecode, EveryMessageNamesTheFile)
 
     std::atomic<bool> has_failed = false;
     DecodeBudget budget;
-    TextureEntry entry(texture_of(path), has_failed, budget);
+    TextureEntry entry(std::make_shared<const Texture>(texture_of(path)), has_failed, budget);
     write(folder, floats(1, 2, {"R", "G", "B"}), std::vector<float>(6));
     entry.image(MipImage(1, 1));
     expect_names(entry.errors(), 1);
@@ -234,6 +235,20 @@ TEST(TextureDecode, AHalvedImageIsWholeWhateverItsSize)
             EXPECT_NEAR(mean.z, 1, 1e-3f);
         }
     }
+}
+
+TEST(TextureDecode, AWarningCountsHalvings)
+{
+    const auto warning = [](std::size_t cap) {
+        Texture texture;
+        texture.name = "grey";
+        texture.width = texture.height = 256;
+        texture.pixels.assign(std::size_t(256) * 256, Vec4f(0.5f));
+        const std::vector<std::string> lines = Loaded(texture, cap).store.warnings();
+        return lines.size() == 1 ? lines[0] : std::to_string(lines.size()) + " warnings";
+    };
+    EXPECT_EQ(warning(600'000), "grey: halved 1 time to fit the texture memory");
+    EXPECT_EQ(warning(150'000), "grey: halved 2 times to fit the texture memory");
 }
 
 // The pictures are three texels wide and two high: 1 2 3 above 4 5 6. The tag says where the first row and the first column
