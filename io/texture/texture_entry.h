@@ -81,17 +81,12 @@ public:
         const std::lock_guard lock(decoding_);
         return decode_seconds_;
     }
-    /// Returns whether it could not be read, as far as is known.
+    /// Returns whether it could not be read, as far as is known. The next frame may read it: there may be more memory then,
+    /// or the file may have been repaired.
     bool has_failed() const
     {
         const std::lock_guard lock(decoding_);
         return lacks_memory_ || !errors_.empty();
-    }
-    /// Returns whether decoding it has failed for lack of memory. The next frame may have more.
-    bool lacks_memory() const
-    {
-        const std::lock_guard lock(decoding_);
-        return lacks_memory_;
     }
     std::vector<std::string> warnings() const
     {

@@ -215,7 +215,7 @@ void TextureStore::prepare(const Scene& scene)
     for (const TextureId id : ids) {
         const Texture& texture = scene.texture(id);
         const auto known = state_->entries.find(texture.identity);
-        is_fresh.push_back(known == state_->entries.end() || known->second->lacks_memory());
+        is_fresh.push_back(known == state_->entries.end() || known->second->has_failed());
         all.push_back(is_fresh.back() ? std::make_shared<TextureEntry>(scene.share(id), state_->has_failed, budget)
                                       : known->second);
         if (is_fresh.back()) fresh.push_back(all.back().get());

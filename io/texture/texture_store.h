@@ -13,7 +13,8 @@
 // Threads  prepare() is called by one thread while no other looks up. After that any number of threads may call sample().
 //          The first lookup in a texture decodes it under a lock of that texture alone, so several are decoded at a time.
 // Errors   a texture without a file is grey, with a warning. One whose file or bytes are no image that can be read is grey
-//          too and stands in errors(), for the caller to refuse.
+//          too and stands in errors(), for the caller to refuse. The next prepare() reads it again, since it may have been
+//          repaired; a file that has been read is not read again, whatever becomes of it.
 #pragma once
 
 #include <memory>
@@ -36,7 +37,8 @@ public:
     explicit TextureStore(std::size_t cap_bytes);
     ~TextureStore();
 
-    /// Makes every texture of the scene known, and forgets all others. Reads no more than the headers of those that are new.
+    /// Makes every texture of the scene known, and forgets all others. Reads no more than the headers of those that are new
+    /// or could not be read before.
     /// Throws Error if images would take minutes to decode, though their files are small.
     void prepare(const Scene& scene);
     /// Forgets all textures.

@@ -135,6 +135,49 @@ TEST_F(Unreadable, ATextureThatIsRemovedIsForgotten)
     EXPECT_TRUE(renderer.stats().complete);
 }
 
+// A renderer and a query that could not read a file read it again once it is repaired.
+TEST_F(Unreadable, ATextureIsReadAgainOnceItIsRepaired)
+{
+    const std::string damaged = test::text_of(png());
+    Scene broken = scene(1);
+    const Camera camera = Camera::framing(broken.bounds());
+    const Settings settings{.width = 16, .height = 16, .spp = 4};
+    Renderer renderer({.threads = 1});
+    EXPECT_THROW(renderer.render(broken, camera, settings), Error);
+    EXPECT_THROW(renderer.render(broken, camera, settings), Error) << "it is damaged as before";
+    std::ofstream(png(), std::ios::binary) << damaged.substr(0, 100);
+    EXPECT_THROW(renderer.render(broken, camera, settings), Error) << "its head cannot be read";
+    std::ofstream(png(), std::ios::binary) << damaged;
+    flip_a_byte_of(png());
+    const Image picture = renderer.render(broken, camera, settings);
+    EXPECT_EQ(picture.checksum(), Renderer({.threads = 1}).render(broken, camera, settings).checksum());
+}
+
+TEST_F(Unreadable, AMaskIsReadAgainByAQueryOnceItIsRepaired)
+{
+    Scene scene;
+    Texture texture;
+    texture.path = png();
+    Material mask;
+    mask.alpha_mode = AlphaMode::Mask;
+    mask.base_color_texture.texture = scene.add(std::move(texture));
+    Cage square = test::textured_square();
+    square.materials = {scene.add(mask)};
+    NodeDesc desc;
+    desc.cages = {scene.add(std::move(square))};
+    scene.add_node(scene.root(), desc);
+    const Camera camera = Camera::framing(scene.bounds());
+    constexpr int kSide = 64;
+    Query query(scene, camera, kSide);
+    const auto pick = [&] { return query.pick(kSide / 2, kSide / 2, kSide).has_value(); };
+    EXPECT_THROW(pick(), Error);
+    query.begin(camera);
+    EXPECT_THROW(pick(), Error) << "it is damaged as before";
+    flip_a_byte_of(png());
+    query.begin(camera);
+    EXPECT_TRUE(pick());
+}
+
 TEST_F(Unreadable, ATextureLeavesACheckpointBesideNoPicture)
 {
     // Of the triangle, which fills the picture, few samples see a textured one in its middle.

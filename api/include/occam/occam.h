@@ -124,7 +124,7 @@ struct SampleColor {
 
 /// Makes pictures. From frame to frame it keeps textures, everything that no vertex position can change (topology tables),
 /// and placed lights with the tree over them, as long as they are the same. What the scene no longer has is forgotten when a
-/// frame begins.
+/// frame begins, and an image that could not be read is read again.
 class Renderer {
 public:
     explicit Renderer(const Resources& resources = {});
