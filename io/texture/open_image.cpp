@@ -188,7 +188,10 @@ private:
     std::vector<std::byte> whole()
     {
         if (encoded_) return *encoded_;
-        std::vector<std::byte> all(static_cast<std::size_t>(bytes_.size()));
+        constexpr std::size_t kDirectory = 1 << 16;  // of a TIFF, which may be put behind its end: else it would be copied
+        std::vector<std::byte> all;
+        all.reserve(static_cast<std::size_t>(bytes_.size()) + kDirectory);
+        all.resize(static_cast<std::size_t>(bytes_.size()));
         if (!bytes_.read(0, {reinterpret_cast<unsigned char*>(all.data()), all.size()})) refuse("the image cannot be read");
         return all;
     }
