@@ -278,8 +278,10 @@ bool has_last_row(ImageBytes file)
         const int width = data.max.x - data.min.x + 1;
         std::vector<float> row(static_cast<std::size_t>(width));
         Imf::FrameBuffer buffer;
-        const char* const name = channels.begin().name();
-        buffer.insert(name, Imf::Slice::Make(Imf::FLOAT, row.data(), V2i(data.min.x, data.max.y), width, 1));
+        const auto first = channels.begin();
+        const int x_sampling = first.channel().xSampling, y_sampling = first.channel().ySampling;
+        const Box2i last_row(V2i(data.min.x, data.max.y), data.max);
+        buffer.insert(first.name(), Imf::Slice::Make(Imf::FLOAT, row.data(), last_row, 0, 0, x_sampling, y_sampling));
         part.setFrameBuffer(buffer);
         part.readPixels(data.max.y, data.max.y);
         return true;

@@ -3,6 +3,7 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
+#include <ImfRgbaFile.h>
 #include <ImfStringAttribute.h>
 
 #include <cstring>
@@ -78,6 +79,25 @@ TEST_F(PictureSizes, DoNotMatterWhereOnlyTheHeadIsRead)
     const render::PictureHead head = render::Image::read_head(file);
     EXPECT_EQ(head.height, 2100);
     EXPECT_EQ(head.note, "a note");
+}
+
+// The first channel by name is BY, which has a value for every second pixel of every second row.
+TEST_F(PictureSizes, AreReadFromFilesOfSubsampledChannels)
+{
+    const fs::path file = folder / "a.exr";
+    for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION}) {
+        const std::vector<Imf::Rgba> pixels(64 * 48, Imf::Rgba(0.5f, 0.2f, 0.1f, 1));
+        {
+            Imf::RgbaOutputFile output(file.c_str(), 64, 48, Imf::WRITE_YC, 1, {0, 0}, 1, Imf::INCREASING_Y, compression, 0);
+            output.setFrameBuffer(pixels.data(), 1, 64);
+            output.writePixels(48);
+        }
+        const render::PictureHead head = render::Image::read_head(file);
+        EXPECT_EQ(head.width, 64);
+        EXPECT_EQ(head.height, 48);
+        fs::resize_file(file, fs::file_size(file) - 1);
+        EXPECT_THROW(render::Image::read_head(file), Error) << "it is cut off now";
+    }
 }
 
 TEST_F(PictureSizes, OfAHeadThatLiesAreRefused)
