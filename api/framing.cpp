@@ -2,6 +2,7 @@
 #include <functional>
 #include <vector>
 
+#include "base/default_floats.h"
 #include "base/error_without_file.h"
 #include "lod/extent.h"
 #include "occam/occam.h"
@@ -13,6 +14,7 @@ namespace occam {
 
 Camera framing(Scene& scene, float aspect, ViewFrom from, Vec3d up)
 {
+    const DefaultFloats floats;
     check_aspect(aspect, "framing");
     scene.refit();
     CameraFit fit(from, up, CameraLens().fov, aspect);
@@ -36,7 +38,7 @@ public:
         path_.clear();
         scene_.record_shutter(segments, [&](double tau) {
             pose_(tau);
-            if (path_.size() > std::size_t(segments)) return;  // the last pose is that of mid-shutter, and no key
+            if (path_.size() > std::size_t(segments)) return;  // after the keys, the scene is posed at mid-shutter
             const Camera at_key = camera_();
             check(at_key);
             path_.push_back(at_key.world_from_camera);
@@ -73,6 +75,7 @@ Camera record_shutter(Scene& scene, const std::function<void(double tau)>& pose,
     if (height < 1 || height > render::kMaxSide)
         throw error_without_file(
             "it must be from 1 to " + std::to_string(render::kMaxSide) + " pixels, not " + std::to_string(height), "height");
+    const DefaultFloats floats;
     if (!pose) throw error_without_file("a shutter needs something that poses the scene");
     if (!camera) throw error_without_file("a shutter needs something that returns the camera");
     constexpr double kPixels = 0.25;

@@ -173,12 +173,11 @@ struct Query::State {
         std::unique_ptr<accel::Tracer> tracer_;
     };
 
-    /// Calls call(tracer). What it finds does not count if a displacement or a mask cannot be read, for which a stand-in was
-    /// taken.
+    /// Calls call(tracer) under the DefaultFloats of the caller. What it finds does not count if a displacement or a mask
+    /// cannot be read, for which a stand-in was taken.
     template <class Call>
     void ask(Call&& call)
     {
-        const DefaultFloats floats;
         const Borrowed borrowed(*this);
         call(borrowed.tracer());
         if (textures.has_failed()) refuse_bad_textures();
@@ -256,6 +255,7 @@ std::optional<Hit> Query::closest(Vec3d origin, Vec3d direction, double far) con
 
 std::optional<Hit> Query::closest(const QueryRay& ray) const
 {
+    const DefaultFloats floats;
     check_ray(ray);
     return state_->closest(ray_of(ray, state_->asked_about()));
 }
@@ -263,6 +263,7 @@ std::optional<Hit> Query::closest(const QueryRay& ray) const
 void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits) const
 {
     if (rays.size() != hits.size()) throw error_without_file("Query::first_hits() needs as many hits as rays");
+    const DefaultFloats floats;
     for (const QueryRay& ray : rays) check_ray(ray);  // so that no hit is written if one of the rays is refused
     constexpr std::size_t kBatch = 2048;
     std::vector<accel::Ray> batch;
@@ -283,11 +284,13 @@ void Query::first_hits(std::span<const QueryRay> rays, std::span<FirstHit> hits)
 
 bool Query::is_occluded(Vec3d from, Vec3d to) const
 {
+    const DefaultFloats floats;
     return is_occluded(QueryRay{from, to - from, glm::distance(from, to)});
 }
 
 bool Query::is_occluded(const QueryRay& ray) const
 {
+    const DefaultFloats floats;
     check_ray(ray);
     return state_->is_occluded(ray_of(ray, state_->asked_about()));
 }
@@ -299,6 +302,7 @@ std::optional<Hit> Query::pick(double x, double y, int width) const
         throw error_without_file(
             "it must be from 1 to " + std::to_string(render::kMaxSide) + " pixels, not " + std::to_string(width), "width");
     if (!std::isfinite(x) || !std::isfinite(y)) return {};
+    const DefaultFloats floats;
     Camera placed = about.scale.placed(state_->camera);
     placed.lens.radius = 0;  // the ray through the middle of the lens, which does not end at the plane of focus
     return state_->closest(render::CameraRays(placed, width, state_->height).ray(x, y, Vec2f(0.5f), 0.5f));

@@ -103,10 +103,9 @@ struct Job::State {
     State(const State&) = delete;
     State& operator=(const State&) = delete;
 
-    /// Locks the scene for the frame.
+    /// Locks the scene for the frame. The caller's DefaultFloats are open.
     void begin()
     {
-        const DefaultFloats floats;
         scene.refit();
         bounds = scene.bounds();
         memory = render::plan_memory(scene, renderer->resources);
@@ -223,8 +222,7 @@ struct Job::State {
         stats.memory.peak_bytes = render::process_peak_bytes();
         stats.seconds.texture += renderer->textures.decode_seconds();
         stats.memory.texture_bytes = renderer->textures.bytes();
-        stats.image.width = image.width;
-        stats.image.height = image.height;
+        stats.image.width = image.width, stats.image.height = image.height;
         stats.image.spp = settings.spp;
         // Who stops a frame does not want to wait, and a part of a picture is compared with nothing.
         if (!control.is_cancelled()) stats.image.checksum = image.checksum();
@@ -335,6 +333,7 @@ Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings
 
 Job Renderer::start(Scene& scene, const Camera& camera, const Settings& settings, std::string checkpoint, bool caller_waits)
 {
+    const DefaultFloats floats;
     check_inputs(scene, camera, settings);
     take(state_->busy);
     try {
@@ -363,9 +362,9 @@ Image Renderer::render(Scene& scene, const Camera& camera, const Settings& setti
 SampleColor Renderer::replay(Scene& scene, const Camera& camera, const Settings& settings, const PixelSample& which,
                              std::ostream& out)
 {
+    const DefaultFloats floats;
     check_inputs(scene, camera, settings);
     const Turn turn(state_->busy);
-    const DefaultFloats floats;
     Job::State frame(state_, scene, camera, settings);
     try {
         frame.begin();
@@ -382,6 +381,7 @@ SampleColor Renderer::replay(Scene& scene, const Camera& camera, const Settings&
 
 std::size_t Renderer::memory_floor(const Scene& scene) const
 {
+    const DefaultFloats floats;
     Resources resources = state_->resources;
     resources.memory_bytes = ~std::size_t(0);
     return render::plan_memory(scene, resources).floor_bytes;
@@ -389,6 +389,7 @@ std::size_t Renderer::memory_floor(const Scene& scene) const
 
 std::uint64_t Renderer::halvings(const Scene& scene)
 {
+    const DefaultFloats floats;
     const Turn turn(state_->busy);
     state_->textures.prepare(scene);
     return state_->textures.halvings_hash();

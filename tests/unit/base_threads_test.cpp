@@ -7,7 +7,6 @@
 #include <xmmintrin.h>
 
 #include <atomic>
-#include <cfenv>
 #include <chrono>
 #include <limits>
 #include <stdexcept>
@@ -18,6 +17,7 @@
 
 #include "base/processors.h"
 #include "occam/occam.h"
+#include "tests/support/other_floats.h"
 
 namespace occam {
 namespace {
@@ -54,18 +54,6 @@ public:
 
 private:
     pthread_attr_t before_;
-};
-
-// Sets what -ffast-math sets in a program's threads, and a rounding of its own.
-struct OtherFloats {
-    OtherFloats()
-    {
-        std::fesetround(FE_UPWARD);
-        _mm_setcsr(_mm_getcsr() | 0x8040);
-    }
-    ~OtherFloats() { std::fesetenv(FE_DFL_ENV); }
-    OtherFloats(const OtherFloats&) = delete;
-    OtherFloats& operator=(const OtherFloats&) = delete;
 };
 
 // The functions of <cfenv> tell of a unit that computes no floats.
@@ -130,7 +118,7 @@ TEST(Threads, ThatTheSystemRefusesAreDoneWithout)
 
 TEST(Threads, ComputeWithDefaultFloats)
 {
-    const OtherFloats others;
+    const test::OtherFloats others;
     EXPECT_FALSE(rounds_to_nearest() || has_denormals()) << "this thread computes otherwise";
     const unsigned before = _mm_getcsr();
     std::atomic<int> right = 0;
@@ -149,7 +137,7 @@ struct FramesOfThreads : testing::Test {
 TEST_F(FramesOfThreads, HaveTheSameBitsWhateverTheApplicationsRounding)
 {
     const std::uint64_t expected = frame(1).checksum();
-    const OtherFloats others;
+    const test::OtherFloats others;
     EXPECT_EQ(frame(1).checksum(), expected);
     EXPECT_EQ(frame(3).checksum(), expected);
 }

@@ -10,6 +10,9 @@
 // that names the reason and, as far as there are any, file and element. Where there is not enough memory it may be a
 // std::bad_alloc instead. What a callback of the application throws is passed on as it is, but for a std::bad_alloc: that
 // counts as any other lack of memory, so that frames end with an Error that says so.
+//
+// Renderers, jobs, queries, framing() and record_shutter() round to the nearest number, whatever the calling thread does
+// otherwise, and so do the callbacks that they call.
 #pragma once
 
 #include <chrono>
