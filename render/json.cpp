@@ -1,4 +1,5 @@
-// All JSON output of render/; this is the only file that includes the JSON library.
+// All JSON output of render/ but the manifests of Cryptomatte layers, which their specification asks for
+// (render/cryptomatte.cpp).
 #include <sys/resource.h>
 
 #include <cmath>

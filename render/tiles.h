@@ -24,8 +24,8 @@ struct Pixel {
 /// Returns the tiles that cover `area`, along a Hilbert curve.
 std::vector<PixelRect> make_tiles(PixelRect area);
 
-/// Returns the pixels of a tile along a Morton curve. Eight in a row, starting from a multiple of eight, are a block of 4
-/// x 2, whose rays travel together.
+/// Returns the pixels of a tile along a Morton curve. In a whole tile, eight in a row, starting from a multiple of eight,
+/// are a block of 4 x 2, whose rays travel together. In a tile that the border of the picture cuts they may be others.
 std::vector<Pixel> pixels_of(const PixelRect& tile);
 
 class TileQueue {
