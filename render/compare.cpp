@@ -3,49 +3,70 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
-#include <span>
+#include <utility>
 
 #include "base/error_without_file.h"
+#include "render/layers.h"
 
 namespace occam::render {
 namespace {
 
 constexpr const char* kOtherChannels = "the layer has different channels in the two pictures";
 
-// The channels of a layer that are compared: so many from the first one on.
+// The channels of a layer that are compared.
 struct Channels {
     const Layer* layer = nullptr;  // null: there are none of that name
-    std::size_t first = 0, count = 0;
+    std::vector<std::size_t> which{};
 
     float value(std::size_t pixel, std::size_t channel) const
     {
-        return layer->pixels[pixel * layer->channel_count() + first + channel];
+        return layer->pixels[pixel * layer->channel_count() + which[channel]];
     }
-    std::span<const std::string> names() const { return std::span(layer->channels).subspan(first, count); }
+    const std::string& name(std::size_t channel) const { return layer->channels[which[channel]]; }
 };
+
+// Returns the channels of beauty that are compared: its colours, or all but alpha if it has none.
+std::vector<std::size_t> colors_of(const Layer& beauty)
+{
+    const auto colors = color_channels(beauty);
+    if (colors && colors->is_grey()) return {colors->rgb[0]};
+    if (colors) return {colors->rgb.begin(), colors->rgb.end()};
+    std::vector<std::size_t> all;
+    for (std::size_t c = 0; c < beauty.channel_count(); ++c)
+        if (beauty.channels[c] != "A") all.push_back(c);
+    return all;
+}
 
 Channels channels_of(const Image& image, std::string_view name)
 {
     const Layer* const layer = image.find(name);
+    if (layer && name == "beauty") return {layer, colors_of(*layer)};
     if (layer) {
-        const auto alpha = std::find(layer->channels.begin(), layer->channels.end(), "A");
-        const std::size_t colors = std::min<std::size_t>(3, static_cast<std::size_t>(alpha - layer->channels.begin()));
-        return {layer, 0, name == "beauty" ? colors : layer->channel_count()};
+        std::vector<std::size_t> all(layer->channel_count());
+        std::iota(all.begin(), all.end(), std::size_t(0));
+        return {layer, std::move(all)};
     }
     const Layer* const beauty = name == kAlphaOfBeauty ? image.find("beauty") : nullptr;
     if (!beauty) return {};
     const auto alpha = std::find(beauty->channels.begin(), beauty->channels.end(), "A");
     if (alpha == beauty->channels.end()) return {};
-    return {beauty, static_cast<std::size_t>(alpha - beauty->channels.begin()), 1};
+    return {beauty, {static_cast<std::size_t>(alpha - beauty->channels.begin())}};
 }
 
 struct Pair {
     Channels a, b;
     std::size_t pixels;
 
-    std::size_t channels() const { return b.count; }
-    bool has_same_channels() const { return std::ranges::equal(a.names(), b.names()); }
+    std::size_t channels() const { return b.which.size(); }
+    bool has_same_channels() const
+    {
+        if (a.which.size() != b.which.size()) return false;
+        for (std::size_t c = 0; c < channels(); ++c)
+            if (a.name(c) != b.name(c)) return false;
+        return true;
+    }
 };
 
 // Returns the rectangle of a picture's pixels, and the frame in which it lies.
@@ -63,6 +84,8 @@ bool is_whole(const Image& image)
 
 void check_places(const Image& a, const Image& b)
 {
+    for (const Image* image : {&a, &b})
+        if (const std::string why = why_incomplete(*image); !why.empty()) throw error_without_file(why);
     if (a.width != b.width || a.height != b.height)
         throw error_without_file("pictures of different sizes cannot be compared: " + std::to_string(a.width) + "x" +
                                  std::to_string(a.height) + " and " + std::to_string(b.width) + "x" +
@@ -77,14 +100,14 @@ void check_places(const Image& a, const Image& b)
 Pair pair_of(const Image& a, const Image& b, const std::string& name)
 {
     check_places(a, b);
-    const Pair pair{channels_of(a, name), channels_of(b, name), std::size_t(a.width) * std::size_t(a.height)};
+    Pair pair{channels_of(a, name), channels_of(b, name), std::size_t(a.width) * std::size_t(a.height)};
     if (!pair.a.layer || !pair.b.layer) throw error_without_file("only one of the pictures has the layer", name);
     return pair;
 }
 
 Pair comparable_pair_of(const Image& a, const Image& b, const std::string& name)
 {
-    const Pair pair = pair_of(a, b, name);
+    Pair pair = pair_of(a, b, name);
     if (!pair.has_same_channels()) throw error_without_file(kOtherChannels, name);
     return pair;
 }

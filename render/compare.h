@@ -30,12 +30,13 @@ struct Difference {
     double p999 = 0;     ///< 99.9th percentile of a pixel's largest absolute difference (nearest rank)
 };
 
-/// Compares two layers with the same channels (only R, G and B of beauty), or the alpha of both pictures (kAlphaOfBeauty).
-/// Throws Error if channels, sizes or places in the frame differ.
+/// Compares two layers with the same channels (of beauty only the colours: R, G and B, or the grey), or the alpha of both
+/// pictures (kAlphaOfBeauty). Throws Error if channels, sizes or places in the frame differ, or a layer of either picture
+/// does not hold a value of each channel for each pixel.
 Difference compare(const Image& a, const Image& reference, const std::string& layer);
 
 /// Compares every layer that both pictures have, beauty first and then its alpha. A layer whose channels differ has no
-/// figures. Throws Error if sizes or places in the frame differ, or no layer is common.
+/// figures. Throws Error if sizes or places in the frame differ, no layer is common, or a layer lacks values.
 std::vector<Difference> compare(const Image& a, const Image& reference);
 
 /// Returns the layer's largest absolute difference at each pixel as a colour, from black for none through red and yellow

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error_without_file.h"
 #include "base/luminance.h"
 #include "base/maths.h"
+#include "render/layers.h"
 
 namespace occam::render {
 namespace {
@@ -61,15 +63,20 @@ Vec3f shown(Vec3f color, Tonemap tonemap) noexcept
 
 constexpr float kKey = 0.25f, kFreeStops = 1, kLitStops = 10, kBrightest = 2;
 
+Vec3f color_at(const float* pixel, const ColorChannels& colors) noexcept
+{
+    return {pixel[colors.rgb[0]], pixel[colors.rgb[1]], pixel[colors.rgb[2]]};
+}
+
 // Returns the logarithms to base 2 of the luminances of pixels that something covers.
-std::vector<float> log_luminances(const Layer& beauty)
+std::vector<float> log_luminances(const Layer& beauty, const ColorChannels& colors)
 {
     std::vector<float> logs;
     const std::size_t channels = beauty.channel_count();
     for (std::size_t i = 0; i + channels <= beauty.pixels.size(); i += channels) {
         const float* p = &beauty.pixels[i];
-        const float alpha = channels >= 4 ? p[3] : 1.0f;
-        const float y = luminance(Vec3f(p[0], p[1], p[2])) / alpha;
+        const float alpha = colors.alpha ? p[*colors.alpha] : 1.0f;
+        const float y = luminance(color_at(p, colors)) / alpha;
         if (alpha >= 0.5f && y > 0 && std::isfinite(y)) logs.push_back(maths::log2(y));
     }
     return logs;
@@ -84,8 +91,9 @@ float linear_from_srgb(float x) noexcept { return x <= 0.04045f ? x / 12.92f : m
 float automatic_exposure(const Image& image)
 {
     const Layer* beauty = image.find("beauty");
-    if (!image.is_light || !beauty || beauty->channel_count() < 3) return 0;
-    const std::vector<float> logs = log_luminances(*beauty);
+    const auto colors = beauty ? color_channels(*beauty) : std::nullopt;
+    if (!image.is_light || !colors) return 0;
+    const std::vector<float> logs = log_luminances(*beauty, *colors);
     if (logs.empty()) return 0;
     std::vector<float> order = logs;
     const auto bright = order.begin() + static_cast<std::ptrdiff_t>((order.size() - 1) * 99 / 100);
@@ -105,14 +113,11 @@ DisplayImage display_image(const Image& image, const WriteOptions& options)
     DisplayImage out;
     const Layer* beauty = image.find("beauty");
     const std::size_t pixels = std::size_t(image.width) * std::size_t(image.height);
-    if (!beauty || beauty->channel_count() < 3) {
-        out.pixels.resize(3 * pixels);
-        return out;
-    }
+    const auto colors = beauty ? color_channels(*beauty) : std::nullopt;
+    if (!colors) throw error_without_file(beauty ? why_without_colors(*beauty) : "there is no layer beauty", "image");
     const std::size_t from = beauty->channel_count();
-    const bool has_alpha = from >= 4;
-    for (std::size_t i = 0; has_alpha && i < pixels && out.channels == 3; ++i)
-        if (beauty->pixels[i * from + 3] < 1) out.channels = 4;
+    for (std::size_t i = 0; colors->alpha && i < pixels && out.channels == 3; ++i)
+        if (beauty->pixels[i * from + *colors->alpha] < 1) out.channels = 4;
 
     const float gain = maths::exp2(options.exposure_ev ? *options.exposure_ev : automatic_exposure(image));
     const Tonemap tonemap = image.is_light || options.tonemap == Tonemap::None ? options.tonemap : Tonemap::Srgb;
@@ -120,9 +125,9 @@ DisplayImage display_image(const Image& image, const WriteOptions& options)
     out.pixels.resize(to * pixels);
     for (std::size_t i = 0; i < pixels; ++i) {
         const float* p = &beauty->pixels[i * from];
-        const float alpha = to == 4 ? std::clamp(p[3], 0.0f, 1.0f) : 1.0f;
+        const float alpha = to == 4 ? std::clamp(p[*colors->alpha], 0.0f, 1.0f) : 1.0f;
         const float scale = alpha > 0 ? gain / alpha : 0;
-        const Vec3f color = shown(Vec3f(p[0], p[1], p[2]) * scale, tonemap);
+        const Vec3f color = shown(color_at(p, *colors) * scale, tonemap);
         for (int c = 0; c < 3; ++c) out.pixels[i * to + std::size_t(c)] = color[c];
         if (to == 4) out.pixels[i * to + 3] = alpha;
     }

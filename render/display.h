@@ -12,11 +12,12 @@ float srgb_from_linear(float x) noexcept;
 float linear_from_srgb(float x) noexcept;
 
 /// Holds beauty as a screen shows it: 3 floats per pixel in [0, 1], or 4 with unassociated alpha if any pixel is
-/// transparent.
+/// transparent. A grey layer is three channels of the same.
 struct DisplayImage {
     int channels = 3;
     std::vector<float> pixels;
 };
+/// Throws Error if the picture has no layer beauty, or that has no colours (color_channels()).
 DisplayImage display_image(const Image& image, const WriteOptions& options);
 
 /// Returns the stops that bring a picture's log-average luminance (Reinhard et al. 2002, "Photographic tone reproduction
@@ -27,8 +28,8 @@ DisplayImage display_image(const Image& image, const WriteOptions& options);
 /// than the brightest hundredth of the picture, so that a spot light on a dark stage is judged by what it shows. No
 /// picture is brightened until its brightest hundredth is above 2, nor changed by more than kMostStops.
 ///
-/// The result is a pure function of the pixels, which are added in their order. It is 0 for a black picture, or for one
-/// that is not light (Image::is_light).
+/// The result is a pure function of the pixels, which are added in their order. It is 0 for a black picture, for one
+/// without colours (color_channels()), or for one that is not light (Image::is_light).
 float automatic_exposure(const Image& image);
 inline constexpr float kMostStops = 12;
 

@@ -8,6 +8,7 @@
 
 #include "base/error_without_file.h"
 #include "base/hash.h"
+#include "render/layers.h"
 #include "render/picture_formats.h"
 
 namespace occam::render {
@@ -30,13 +31,16 @@ Layer& Image::add_layer(std::string name, std::vector<std::string> channels, boo
     return layers_.emplace_back(std::move(layer));
 }
 
-std::uint64_t Image::checksum() const noexcept
+std::uint64_t Image::checksum() const
 {
     std::uint64_t h = kFnvStart;
     const Layer* beauty = find("beauty");
-    if (!beauty || beauty->channel_count() < 3) return h;
+    if (!beauty) return h;
+    if (const std::string why = why_incomplete(*this, *beauty); !why.empty()) throw error_without_file(why, "image");
+    const auto colors = color_channels(*beauty);
+    if (!colors) return h;
     for (std::size_t i = 0; i < beauty->pixels.size(); i += beauty->channel_count())
-        for (std::size_t c = 0; c < 3; ++c) {
+        for (const std::size_t c : colors->rgb) {
             const auto bits = std::bit_cast<std::uint32_t>(beauty->pixels[i + c]);
             const unsigned char bytes[4] = {static_cast<unsigned char>(bits), static_cast<unsigned char>(bits >> 8),
                                             static_cast<unsigned char>(bits >> 16), static_cast<unsigned char>(bits >> 24)};

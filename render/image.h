@@ -82,12 +82,15 @@ public:
     Layer& add_layer(std::string name, std::vector<std::string> channels, bool full_float = false);
     Layer& layer(std::size_t index) { return layers_[index]; }
 
-    /// Returns the FNV-1a 64 hash of the beauty layer's R, G and B as little-endian float32, row by row from the top.
-    std::uint64_t checksum() const noexcept;
+    /// Returns the FNV-1a 64 hash of the beauty layer's R, G and B as little-endian float32, row by row from the top; grey
+    /// is three times its value, and a picture without colours is the hash of nothing. Throws Error if the layer does not
+    /// hold a value of each channel for each pixel.
+    std::uint64_t checksum() const;
 
     /// Writes the picture. The format follows the extension: .exr .png .jpg .jpeg .tif .tiff .hdr; all but EXR keep
-    /// beauty alone. The file is written beside its final name and then renamed, so that no reader ever sees half a file.
-    /// Throws Error: of Kind::BadInput if check_writable() refuses the extension, else of Kind::Output.
+    /// beauty alone: its R, G and B, or its grey (Y, or a single channel beside A) as all three. No channel but A is alpha.
+    /// The file is written beside its final name and then renamed, so that no reader ever sees half a file. Throws Error: of
+    /// Kind::BadInput if check_writable() refuses the extension, else of Kind::Output.
     void write(const std::filesystem::path& file, const WriteOptions& options = {}) const;
     /// Throws Error if write() would refuse that name: its extension, its folder, or what exists there already.
     static void check_writable(const std::filesystem::path& file);

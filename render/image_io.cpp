@@ -20,6 +20,7 @@
 #include "io/texture/open_image.h"
 #include "render/display.h"
 #include "render/file_colors.h"
+#include "render/layers.h"
 #include "render/picture_formats.h"
 
 namespace occam::render {
@@ -139,12 +140,13 @@ void write_exr(const Image& image, const fs::path& file, const WriteOptions& opt
 
 void write_hdr(const Image& image, const fs::path& file, const WriteOptions& options)
 {
-    const Layer* beauty = image.find("beauty");
-    if (!beauty || beauty->channel_count() < 3) refuse(file, "there is no beauty layer to write");
-    const std::size_t n = beauty->channel_count();
+    const Layer& beauty = *image.find("beauty");
+    const ColorChannels colors = color_channels(beauty).value();
+    const std::size_t n = beauty.channel_count();
     std::vector<float> pixels;
-    for (std::size_t i = 0; i < beauty->pixels.size(); i += n)
-        for (std::size_t c = 0; c < 3; ++c) pixels.push_back(std::min(std::max(0.0f, beauty->pixels[i + c]), kRadianceMax));
+    for (std::size_t i = 0; i < beauty.pixels.size(); i += n)
+        for (const std::size_t c : colors.rgb)
+            pixels.push_back(std::min(std::max(0.0f, beauty.pixels[i + c]), kRadianceMax));
     write_pixels(file, base_spec(image, 3, SampleType::Float), {}, pixels, options.note);
 }
 
@@ -293,15 +295,6 @@ const PictureFormat& required_picture_format(const fs::path& file)
                 "has no extension of a format that can be written: " + extensions_of(picture_formats(), true));
 }
 
-void check_sides(const fs::path& file, int width, int height)
-{
-    const PictureFormat& format = required_picture_format(file);
-    if (std::max(width, height) > format.largest_side)
-        refuse(file, "cannot be written: it has " + std::to_string(width) + " x " + std::to_string(height) +
-                         " pixels, and " + std::string(format.name) + " allows " + std::to_string(format.largest_side) +
-                         " a side");
-}
-
 void Image::check_writable(const fs::path& file)
 {
     const PictureFormat& format = required_picture_format(file);
@@ -312,17 +305,7 @@ void Image::check_writable(const fs::path& file)
 void Image::write(const fs::path& file, const WriteOptions& options) const
 {
     check_writable(file);
-    if (width < 1 || height < 1) refuse(file, "there is no picture to write");
-    check_sides(file, width, height);
-    if (layers().empty()) refuse(file, "there is no layer to write");
-    if (!has_layers(file) && !find("beauty")) refuse(file, "there is no layer beauty, and the format holds no other");
-    if (options.exposure_ev && !std::isfinite(*options.exposure_ev)) refuse(file, "the exposure is not a finite number");
-    if (std::none_of(std::begin(kTonemaps), std::end(kTonemaps),
-                     [&](const TonemapRow& row) { return row.value == options.tonemap; }))
-        refuse(file, "there is no such tone curve");
-    for (const Layer& layer : layers())
-        if (layer.pixels.size() != layer.channel_count() * std::size_t(width) * std::size_t(height))
-            refuse(file, "layer " + layer.name + " does not hold a value of each channel for each pixel");
+    check_contents(file, *this, options);
     picture_format_of(file)->write(*this, file, options);
 }
 

@@ -50,5 +50,7 @@ const PictureFormat* picture_format_of(const std::filesystem::path& file);
 const PictureFormat& required_picture_format(const std::filesystem::path& file);
 /// Throws Error of Kind::Output if a picture of that size is larger than the format of the file allows.
 void check_sides(const std::filesystem::path& file, int width, int height);
+/// Throws Error of Kind::Output if the file cannot hold the picture, or an option makes no sense.
+void check_contents(const std::filesystem::path& file, const Image& image, const WriteOptions& options);
 
 }  // namespace occam::render

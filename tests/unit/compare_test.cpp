@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "base/error.h"
 #include "base/vec.h"
@@ -141,6 +142,54 @@ TEST(Compare, DifferentSizesOrChannelsAreRefused)
 }
 
 // Two crops of one size show different things.
+// The pixels of a layer are an application's to change, and so are the sides of a picture.
+TEST(Compare, LayersWithoutTheirPixelsAreRefused)
+{
+    const Image whole = flat(512, 512, 0.5f);
+    Image cut = whole, grown = whole, ragged = whole, endless = whole;
+    cut.layer(0).pixels.resize(3);
+    grown.width = 513;
+    ragged.layer(0).pixels.pop_back();
+    endless.width = endless.height = 1 << 30;  // with 16 channels, 64 bits count these values as none
+    endless.layer(0).channels.resize(16);
+    endless.layer(0).pixels.clear();
+    for (const Image* image : {&cut, &grown, &ragged, &endless}) {
+        EXPECT_THROW(compare(*image, *image), Error);
+        EXPECT_THROW(compare(*image, *image, "beauty"), Error);
+        EXPECT_THROW(heat_map(*image, *image, "beauty", 1), Error);
+        EXPECT_THROW((void)image->checksum(), Error);
+    }
+    EXPECT_THROW(compare(whole, cut), Error);
+    EXPECT_THROW(compare(cut, whole), Error);
+    try {
+        compare(cut, whole);
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("layer beauty does not hold a value of each channel for each pixel"),
+                  std::string::npos)
+            << error.what();
+    }
+    Image other = whole;
+    other.add_layer("depth", {"Z"}).pixels.clear();
+    EXPECT_THROW(compare(other, other, "depth"), Error);
+    EXPECT_EQ(other.checksum(), whole.checksum()) << "only beauty counts";
+}
+
+// Programs write the channels of a file in any order, and OpenEXR files in that of their names.
+TEST(Compare, ColoursAreFoundByTheirNames)
+{
+    Image a(1, 1), b(1, 1);
+    a.add_layer("beauty", {"A", "B", "G", "R"}).pixels = {1, 0.3f, 0.2f, 0.1f};
+    b.add_layer("beauty", {"R", "G", "B", "Z"}).pixels = {0.1f, 0.2f, 0.3f, 7};
+    EXPECT_EQ(compare(a, b, "beauty").max, 0);
+    EXPECT_EQ(a.checksum(), b.checksum());
+    Image grey(1, 1), three(1, 1);
+    grey.add_layer("beauty", {"Y", "A"}).pixels = {0.25f, 0.5f};
+    three.add_layer("beauty", {"R", "G", "B"}).pixels = {0.25f, 0.25f, 0.25f};
+    EXPECT_EQ(compare(grey, grey, "beauty").max, 0);
+    EXPECT_EQ(grey.checksum(), three.checksum());
+    EXPECT_THROW(compare(grey, three, "beauty"), Error) << "their channels differ";
+}
+
 TEST(Compare, PartsOfAFrameAreComparedInOnePlaceAlone)
 {
     Image left = flat(2, 2, 0), right = left, of_larger = left;
