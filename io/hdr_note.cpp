@@ -10,20 +10,19 @@ namespace occam {
 namespace {
 
 constexpr std::string_view kNoteLine = "#occam:note ", kMore = "#occam:more ";
-constexpr std::size_t kMostLines = 32, kBytesOfLine = 64;  // OpenImageIO reads 100 lines of 127 bytes
 
 std::string comment_of(std::string_view note)
 {
     std::string comment;
     std::size_t lines = 0;
-    for (bool has_more = !note.empty(); has_more && lines < kMostLines;) {
+    for (bool has_more = !note.empty(); has_more && lines < kMostHdrNoteLines;) {
         const std::size_t end = std::min(note.find('\n'), note.size());
         std::string_view rest = note.substr(0, end), begin = kNoteLine;
         do {
-            comment.append(begin).append(rest.substr(0, kBytesOfLine)).push_back('\n');
-            rest.remove_prefix(std::min(rest.size(), kBytesOfLine));
+            comment.append(begin).append(rest.substr(0, kHdrNoteLine)).push_back('\n');
+            rest.remove_prefix(std::min(rest.size(), kHdrNoteLine));
             begin = kMore;
-        } while (++lines < kMostLines && !rest.empty());
+        } while (++lines < kMostHdrNoteLines && !rest.empty());
         has_more = end < note.size();
         note.remove_prefix(std::min(end + 1, note.size()));
     }

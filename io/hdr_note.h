@@ -4,6 +4,7 @@
 // each line of the note, and those with "#occam:more " continue a long one.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "io/picture_codec.h"
@@ -11,8 +12,11 @@
 
 namespace occam {
 
+/// A line of a note that is longer than kHdrNoteLine bytes takes several lines of the head.
+inline constexpr std::size_t kMostHdrNoteLines = 32, kHdrNoteLine = 64;  // OpenImageIO reads 100 lines of 127 bytes
+
 /// Hands the bytes of an encoder on, and puts the note behind the first line of what it writes. Libraries read few lines of
-/// a head, and short ones, so no more than the first two kilobytes of a note are kept.
+/// a head, and short ones, so no more of a note is kept than kMostHdrNoteLines.
 class HdrNoteBytes final : public PictureBytes {
 public:
     HdrNoteBytes(PictureBytes& to, const std::string& note);

@@ -213,7 +213,12 @@ constexpr PictureFormat kFormats[] = {
      .holds_layers = true,
      .needs_codec = false,
      .write = write_exr},
-    {.extensions = ".hdr", .name = "Radiance HDR", .contents = "the picture, scene-linear", .write = write_hdr},
+    {.extensions = ".hdr",
+     .name = "Radiance HDR",
+     .contents = "the picture, scene-linear",
+     .longest_note = kMostHdrNoteLines * kHdrNoteLine,
+     .note_line = kHdrNoteLine,
+     .write = write_hdr},
     {.extensions = ".png",
      .name = "PNG",
      .contents = "the picture as a screen shows it, 8 bits, with alpha where it is transparent",
@@ -228,11 +233,13 @@ constexpr PictureFormat kFormats[] = {
      .codec_name = "jpeg",
      .end_mark = "\xff\xd9"sv,
      .largest_side = 65500,
+     .longest_note = 65'000,  // a segment of a JPEG holds 65,533 bytes, of which other metadata take some 100
      .write = write_jpeg},
     {.extensions = ".tif .tiff",
      .name = "TIFF",
      .contents = "the same picture as PNG, with 16 bits",
      .is_for_display = true,
+     .longest_note = 65'536,  // OpenImageIO reads no more
      .write = write_tiff},
 };
 

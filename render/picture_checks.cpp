@@ -1,8 +1,9 @@
-// Says before a picture is written what its file cannot hold.
+// Says before a picture is written what its file cannot hold. Some libraries end the process there.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <string>
+#include <string_view>
 
 #include "base/error.h"
 #include "render/layers.h"
@@ -16,6 +17,31 @@ namespace fs = std::filesystem;
 [[noreturn]] void refuse_output(const fs::path& file, const std::string& why)
 {
     throw Error(file.string(), why, {}, Error::Kind::Output);
+}
+
+// Returns the bytes that a note takes in a file of a format.
+std::size_t note_bytes(const PictureFormat& format, std::string_view note)
+{
+    if (format.note_line == 0 || note.empty()) return note.size();
+    std::size_t lines = 0, first = 0, end = 0;
+    for (; end != std::string_view::npos; first = end + 1) {
+        end = note.find('\n', first);
+        const std::size_t bytes = std::min(end, note.size()) - first;
+        lines += std::max<std::size_t>((bytes + format.note_line - 1) / format.note_line, 1);
+    }
+    return lines * format.note_line;
+}
+
+void check_note(const fs::path& file, const std::string& note)
+{
+    const PictureFormat& format = required_picture_format(file);
+    if (note.find('\0') != std::string::npos)
+        refuse_output(file, "cannot be written: its note has a zero byte, and is a text");
+    const std::size_t bytes = note_bytes(format, note);
+    if (bytes <= format.longest_note) return;
+    const std::string lines = format.note_line > 0 ? " in lines of " + std::to_string(format.note_line) : "";
+    refuse_output(file, "cannot be written: its note takes " + std::to_string(bytes) + " bytes" + lines + ", and " +
+                            std::string(format.name) + " allows " + std::to_string(format.longest_note));
 }
 
 void check_layers(const fs::path& file, const Image& image)
@@ -51,6 +77,7 @@ void check_contents(const fs::path& file, const Image& image, const WriteOptions
     if (std::none_of(std::begin(kTonemaps), std::end(kTonemaps),
                      [&](const TonemapRow& row) { return row.value == options.tonemap; }))
         refuse_output(file, "there is no such tone curve");
+    check_note(file, options.note);
 }
 
 }  // namespace occam::render

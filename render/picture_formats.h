@@ -4,6 +4,7 @@
 // io/picture_codec.h has to know it, to read its pixels at least.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -34,6 +35,8 @@ struct PictureFormat {
     std::string_view codec_name{};  ///< what PictureReader::format() calls it, if its end has a mark
     std::string_view end_mark{};    ///< the last bytes of a whole file; empty: its last row is read instead
     int largest_side = std::numeric_limits<int>::max();  ///< pixels; some libraries end the process beyond it
+    std::size_t longest_note = 16'000'000;  ///< bytes of WriteOptions::note; some libraries end the process beyond it
+    std::size_t note_line = 0;  ///< bytes of a line in the head; each line of a note takes whole ones. 0: there are none
     void (*write)(const Image& image, const std::filesystem::path& file, const WriteOptions& options) = nullptr;
 };
 
@@ -50,7 +53,7 @@ const PictureFormat* picture_format_of(const std::filesystem::path& file);
 const PictureFormat& required_picture_format(const std::filesystem::path& file);
 /// Throws Error of Kind::Output if a picture of that size is larger than the format of the file allows.
 void check_sides(const std::filesystem::path& file, int width, int height);
-/// Throws Error of Kind::Output if the file cannot hold the picture, or an option makes no sense.
+/// Throws Error of Kind::Output if the file cannot hold the picture or its note, or an option makes no sense.
 void check_contents(const std::filesystem::path& file, const Image& image, const WriteOptions& options);
 
 }  // namespace occam::render
