@@ -52,7 +52,7 @@ struct WriteOptions {
     std::optional<float> exposure_ev{};
     Tonemap tonemap = Tonemap::Filmic;  ///< curve of display formats
     /// A text that is kept in the file's head. It is an Error if it has a zero byte or is longer than the format keeps: HDR
-    /// 32 lines of 64 bytes, JPEG 65,000 bytes, TIFF 65,536, EXR and PNG 16,000,000.
+    /// 32 lines of 64 bytes, JPEG 65,000 bytes, TIFF 65,536, EXR and PNG 64,000,000.
     std::string note{};
     /// The time for which the shutter was open. EXR files keep it (expTime).
     std::optional<float> exposure_seconds{};

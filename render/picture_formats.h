@@ -35,7 +35,7 @@ struct PictureFormat {
     std::string_view codec_name{};  ///< what PictureReader::format() calls it, if its end has a mark
     std::string_view end_mark{};    ///< the last bytes of a whole file; empty: its last row is read instead
     int largest_side = std::numeric_limits<int>::max();  ///< pixels; some libraries end the process beyond it
-    std::size_t longest_note = 16'000'000;  ///< bytes of WriteOptions::note; some libraries end the process beyond it
+    std::size_t longest_note = 64'000'000;  ///< bytes of WriteOptions::note; some libraries end the process beyond it
     std::size_t note_line = 0;  ///< bytes of a line in the head; each line of a note takes whole ones. 0: there are none
     void (*write)(const Image& image, const std::filesystem::path& file, const WriteOptions& options) = nullptr;
 };

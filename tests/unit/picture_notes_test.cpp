@@ -44,10 +44,10 @@ protected:
 TEST_F(PictureNotes, AreKeptWholeOrRefused)
 {
     for (const render::PictureFormat& format : render::picture_formats())
-        for (const std::size_t size :
-             std::initializer_list<std::size_t>{2048, 2049, 60'000, 65'434, 65'435, 65'536, 65'537, 70'000, 3'000'000}) {
-            const std::string why = refusal(file_of(format), std::string(size, 'x'));
-            if (!why.empty()) EXPECT_NE(why.find("and " + std::string(format.name) + " allows "), std::string::npos) << why;
+        for (const int size : {2048, 2049, 60'000, 65'434, 65'435, 65'536, 65'537, 70'000, 3'000'000}) {
+            const std::string why = refusal(file_of(format), std::string(std::size_t(size), 'x'));
+            const std::string limit = "and " + std::string(format.name) + " allows ";
+            EXPECT_TRUE(why.empty() || why.find(limit) != std::string::npos) << why;
         }
 }
 
@@ -56,12 +56,13 @@ TEST_F(PictureNotes, AreKeptUpToTheLongestOfTheirFormat)
     for (const render::PictureFormat& format : render::picture_formats())
         for (const render::Tonemap tonemap : {render::Tonemap::Filmic, render::Tonemap::None})
             for (const char* unit : {"x", "&", "\xc3\xa9"}) {
-                const bool takes_long = format.longest_note > 1'000'000;
-                if (takes_long && (tonemap == render::Tonemap::None || *unit != 'x')) continue;
                 std::string note;
                 while (note.size() < format.longest_note) note += unit;
                 note.resize(format.longest_note);
-                EXPECT_EQ(refusal(file_of(format), note, tonemap), "") << format.name;
+                const bool takes_long = format.longest_note > 1'000'000;
+                if (!takes_long) {
+                    EXPECT_EQ(refusal(file_of(format), note, tonemap), "") << format.name;
+                }
                 const std::string why = refusal(file_of(format), note + 'x', tonemap);
                 EXPECT_NE(why.find("allows " + std::to_string(format.longest_note)), std::string::npos) << why;
             }
