@@ -56,15 +56,17 @@ TEST_F(PictureNotes, AreKeptUpToTheLongestOfTheirFormat)
     for (const render::PictureFormat& format : render::picture_formats())
         for (const render::Tonemap tonemap : {render::Tonemap::Filmic, render::Tonemap::None})
             for (const char* unit : {"x", "&", "\xc3\xa9"}) {
+                const std::size_t longest = format.longest_note;
+                const bool takes_long = longest > 1'000'000;
                 std::string note;
-                while (note.size() < format.longest_note) note += unit;
-                note.resize(format.longest_note);
-                const bool takes_long = format.longest_note > 1'000'000;
+                while (!takes_long && note.size() < longest) note += unit;
+                note.resize(longest, 'x');
                 if (!takes_long) {
                     EXPECT_EQ(refusal(file_of(format), note, tonemap), "") << format.name;
                 }
                 const std::string why = refusal(file_of(format), note + 'x', tonemap);
-                EXPECT_NE(why.find("allows " + std::to_string(format.longest_note)), std::string::npos) << why;
+                EXPECT_NE(why.find("allows " + std::to_string(longest)), std::string::npos) << why;
+                if (takes_long) break;
             }
 }
 
