@@ -163,9 +163,7 @@ TEST_F(Unreadable, AMaskIsReadAgainByAQueryOnceItIsRepaired)
     mask.base_color_texture.texture = scene.add(std::move(texture));
     Cage square = test::textured_square();
     square.materials = {scene.add(mask)};
-    NodeDesc desc;
-    desc.cages = {scene.add(std::move(square))};
-    scene.add_node(scene.root(), desc);
+    test::place(scene, scene.add(std::move(square)), Vec3d(0));
     const Camera camera = Camera::framing(scene.bounds());
     constexpr int kSide = 64;
     Query query(scene, camera, kSide);

@@ -1,28 +1,19 @@
 // Pixels that a scene holds in memory are shared with the stores of its renderers, and what these hold is not changed by
 // edits.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstddef>
-#include <fstream>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "io/texture/texture_store.h"
 #include "occam/occam.h"
-#include "tests/support/campaign.h"
+#include "tests/support/resident_memory.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam {
 namespace {
-
-std::size_t resident_bytes()
-{
-    std::size_t all = 0, resident = 0;
-    std::ifstream("/proc/self/statm") >> all >> resident;
-    return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-}
 
 Texture plain(int side, float grey)
 {
@@ -40,14 +31,12 @@ void show(Scene& scene, TextureId texture)
     material.base_color_texture.texture = texture;
     Cage square = test::textured_square();
     square.materials = {scene.add(material)};
-    NodeDesc desc;
-    desc.cages = {scene.add(std::move(square))};
-    scene.add_node(scene.root(), desc);
+    test::place(scene, scene.add(std::move(square)), Vec3d(0));
 }
 
 TEST(TextureSharing, ARendererDoesNotCopyPixelsThatItNeverLooksUp)
 {
-    if (test::kIsSanitized || resident_bytes() == 0) GTEST_SKIP() << "the sanitizers have allocators of their own";
+    if (!test::can_measure_memory()) GTEST_SKIP() << "sanitizers have allocators of their own, or there is no /proc";
     constexpr int kSide = 2048;
     Scene scene;
     show(scene, scene.add(plain(kSide, 0.5f)));
@@ -56,11 +45,11 @@ TEST(TextureSharing, ARendererDoesNotCopyPixelsThatItNeverLooksUp)
     const auto renderer = [] { return Renderer({.threads = 1, .texture_bytes = std::size_t(1) << 20}); };
     renderer().render(scene, away, settings);  // what the first frame of a process takes is there from then on
     Renderer first = renderer(), second = renderer();
-    const std::size_t before = resident_bytes();
+    const std::size_t before = test::resident_bytes();
     first.render(scene, away, settings);
     second.render(scene, away, settings);
     constexpr std::size_t kPixels = std::size_t(kSide) * kSide * sizeof(Vec4f);
-    EXPECT_LT(resident_bytes(), before + kPixels / 2);
+    EXPECT_LT(test::resident_bytes(), before + kPixels / 2);
 }
 
 TEST(TextureSharing, AStoreHoldsPixelsUntilTheyAreDecoded)
