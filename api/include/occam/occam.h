@@ -141,7 +141,7 @@ public:
     /// Starts a frame and returns without waiting for it. `checkpoint` may hold what Job::checkpoint() returned for the same
     /// scene, camera and settings: the frame then continues from there, and its picture has the same bits as one that was
     /// never stopped. The job fails if the checkpoint belongs to another picture. Scenes are compared by a hash over
-    /// the environment, all visible nodes in their order, also such as hold nothing, and what they hold; of an image in a
+    /// the environment, all visible nodes in their order, also those that hold nothing, and what they hold; of an image in a
     /// file it knows the path, and of a cage on demand its name, bounds and materials. With Aov::Id or View::Face it also
     /// knows the slots of the handles of nodes (NodeId::slot), which these show: the checkpoint then belongs to a scene
     /// whose nodes were added and removed in the same order.
