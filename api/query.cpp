@@ -121,7 +121,7 @@ struct Query::State {
         // Of textures that were looked up before, neither memory nor errors are left.
         if (looks_up_textures()) textures.prepare(scene);
         else textures.clear();
-        refuse_bad_textures();
+        textures.throw_if_failed();
         camera = with_camera;
         asked.emplace(scene, camera, height, topologies, textures, holes);
     }
@@ -180,15 +180,9 @@ struct Query::State {
     {
         const Borrowed borrowed(*this);
         call(borrowed.tracer());
-        if (textures.has_failed()) refuse_bad_textures();
+        textures.throw_if_failed();
     }
     bool looks_up_textures() const { return scene.contents().has(Contents::Displaced | Contents::Masked); }
-    void refuse_bad_textures() const
-    {
-        if (const std::vector<std::string> errors = textures.errors(); !errors.empty())
-            throw error_without_file(errors.front());
-    }
-
     std::optional<Hit> closest(const accel::Ray& ray)
     {
         if (!(ray.t_far > 0)) return std::nullopt;

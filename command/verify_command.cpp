@@ -19,6 +19,8 @@ Json json_of(const VerifiedCage& c, const VerifyArguments& a)
         return entry;
     }
     entry.update({{"starts", c.starts},
+                  {"faces_not_met", c.faces_not_met},
+                  {"moments_not_tested", c.moments_not_tested},
                   {"rays", c.rays},
                   {"escaped", c.escaped},
                   {"outside", c.outside},
@@ -30,6 +32,15 @@ Json json_of(const VerifiedCage& c, const VerifyArguments& a)
                   {"replay", c.replay}});
     for (const std::string& line : c.replay) entry["replay_commands"].push_back(replay_command(a.command, line));
     return entry;
+}
+
+void print(const VerifiedCage& tested)
+{
+    std::cout << tested.rays << " rays, " << tested.escaped << " escaped, " << tested.not_finite << " not finite";
+    if (tested.faces_not_met > 0) std::cout << "; no ray met " << tested.faces_not_met << " of the faces";
+    if (tested.moments_not_tested > 0)
+        std::cout << "; no ray saw it at " << tested.moments_not_tested << " moments, at which no point inside was found";
+    std::cout << '\n';
 }
 
 }  // namespace
@@ -61,7 +72,7 @@ int run(const VerifyArguments& a)
         for (const VerifiedCage& c : cages) {
             std::cout << (c.cage.empty() ? "cage" : printable_line(c.cage)) << " (" << c.faces << " faces): ";
             if (!c.not_testable.empty()) std::cout << "not testable: " << c.not_testable << '\n';
-            else std::cout << c.rays << " rays, " << c.escaped << " escaped, " << c.not_finite << " not finite\n";
+            else print(c);
             for (const std::string& line : c.replay) std::cout << "  " << replay_command(a.command, line) << '\n';
         }
         std::cout << tested << " of " << cages.size() << " cages tested, " << rays << " rays, " << escaped << " escaped, "

@@ -8,8 +8,6 @@
 #include "base/error_without_file.h"
 #include "base/printable.h"
 #include "lod/ray_levels.h"
-#include "verify/closed.h"
-#include "verify/mesh_pieces.h"
 #include "verify/ray_surface.h"
 
 namespace occam {
@@ -30,40 +28,6 @@ std::vector<Mat4d> placed_by(const FrameScale& scale, std::span<const Mat4d> wor
     return placed;
 }
 
-// Returns the length of the longest edge of the pair's fine mesh. It may be far shorter than the edges of its level are
-// allowed to be, where a patch needs many pieces whatever the level, or its rate follows from a few fast ones.
-double longest_edge(const Subject::Pair& pair)
-{
-    float squared = 0;
-    for (std::size_t i = 0; i < pair.corners.size(); i += 3)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3f edge = pair.corners[i + k] - pair.corners[i + (k + 1) % 3];
-            squared = std::max(squared, glm::dot(edge, edge));
-        }
-    return std::min(std::sqrt(double(squared)), double(lod::edge_length(pair.level)));
-}
-
-// Returns whether a point is inside of the fine mesh, and of all coarser ones that rays from there may see, with a little
-// room on all sides.
-//
-// pairs   of each level from the finest on
-//
-// reach   edges longer than twice that are not seen from there
-//
-// turn    -1 if the meshes are mirrored, and so wind the other way around, else 1
-bool is_inside_at(const std::vector<Subject::Pair>& pairs, Vec3d p, double reach, int turn)
-{
-    for (const Subject::Pair& pair : pairs) {
-        if (pair.level > pairs.front().level + 1 && lod::edge_length(pair.level) > 2 * reach) break;
-        for (int k = 0; k < 7; ++k) {
-            Vec3d step(0);
-            if (k > 0) step[(k - 1) / 2] = (k & 1 ? 0.25 : -0.25) * reach;
-            if (!(turn * winding_number(pair.corners, p + step) > 0.9)) return false;
-        }
-    }
-    return true;
-}
-
 }  // namespace
 
 EscapeTest::EscapeTest(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures,
@@ -75,7 +39,9 @@ EscapeTest::EscapeTest(const ShownCage& shown, const VerifySettings& settings, c
       random_(settings.seed * 0x9E3779B97F4A7C15u + 1),
       scale_(scale_of(shown)),
       frame_from_object_(placed_by(scale_, shown.world_from_object)),
-      subject_({shown.slot, shown.node, shown.skin, frame_from_object_, shown.segments}, textures, size)
+      subject_({shown.slot, shown.node, shown.skin, frame_from_object_, shown.segments}, textures, size),
+      not_met_(subject_.faces()),
+      is_met_(shown.slot.cage.face_count())
 {
 }
 
@@ -91,35 +57,71 @@ void EscapeTest::run(std::uint64_t rays)
         report_.not_testable = "it has no limit surface";
         return;
     }
-    const std::size_t starts = find_all_starts();
-    report_.starts += starts;
-    std::erase_if(instants_, [](const Instant& instant) { return instant.starts.empty(); });
-    if (instants_.empty()) {
-        if (report_.starts > 0) return;
+    choose_instants();
+    if (find_first_level()) test_all_levels(rays);
+    else if (report_.rays == 0)
         report_.not_testable =
             "no point inside was found: no winding number is 1, so the surface is open, its faces are turned inside out, or "
             "its inside is thinner than the edges at the largest rate";
-        return;
-    }
+    report_.faces_not_met = std::max<std::uint64_t>(report_.faces_not_met, not_met_.size());
+    for (const Instant& instant : instants_) report_.moments_not_tested += !instant.is_tested;
+}
+
+void EscapeTest::test_all_levels(std::uint64_t rays)
+{
     report_.not_testable.clear();
-    set_levels();
-    const accel::Frame frame(subject_.scene(), subject_.topologies(), levels_, {.textures = textures_});
-    accel::Tracer tracer(frame, std::size_t(1) << 30);
+    const int first = finest_, last = subject_.level_of_rate(settings_.largest_rate) - kFiner;
+    test_level(rays);
+    // Behind faces that were not met the inside may be too thin for the first level.
+    while (report_.rays < rays && !not_met_.empty() && finest_ - 1 > last) {
+        const std::size_t corners = dice(finest_ - 1);
+        if (find_starts_behind() > 0) test_level(rays);
+        if (corners > kMostCorners) break;
+    }
+    if (report_.rays >= rays) return;
+    if (finest_ != first || !has_starts()) {
+        dice(first);
+        find_starts();
+    }
+    send(rays);
+}
+
+void EscapeTest::test_level(std::uint64_t rays)
+{
+    while (report_.rays < rays) {
+        const std::size_t before = not_met_.size();
+        send(report_.rays + (rays - report_.rays + 1) / 2);
+        if (not_met_.empty() || not_met_.size() == before || find_starts_behind() == 0) return;
+    }
+}
+
+void EscapeTest::send(std::uint64_t rays)
+{
+    if (!has_starts()) return;
+    if (!tracer_) {
+        set_levels();
+        frame_ = std::make_unique<accel::Frame>(subject_.scene(), subject_.topologies(), levels_,
+                                                accel::FrameOptions{.textures = textures_});
+        tracer_ = std::make_unique<accel::Tracer>(*frame_, std::size_t(1) << 30);
+    }
     std::vector<accel::Ray> batch(kRaysOfAView);
     std::vector<accel::SurfaceHit> hits(batch.size());
     while (report_.rays < rays) {
         const View view = next_view();
         for (accel::Ray& ray : batch) ray = next_ray(view);
-        tracer.closest(batch, hits);
+        tracer_->closest(batch, hits);
         for (std::size_t i = 0; i < batch.size(); ++i) judge(batch[i], hits[i]);
         report_.rays += batch.size();
     }
+    std::erase_if(not_met_, [&](std::uint32_t face) { return bool(is_met_[face]); });
 }
 
 void EscapeTest::replay(const RayLine& line, std::ostream& out)
 {
     if (subject_.is_empty()) throw error_without_file("the cage has no limit surface", "ray");
-    find_all_starts();
+    choose_instants();
+    if (line.level) finest_ = *line.level;
+    else find_first_level();
     set_levels();
     accel::Ray ray;
     ray.origin = line.origin * scale_.to_frame();
@@ -185,72 +187,66 @@ void EscapeTest::choose_instants()
     }
 }
 
-std::size_t EscapeTest::find_all_starts()
+std::size_t EscapeTest::dice(int finest)
 {
-    choose_instants();
-    const int level_of_rate = subject_.level_of_rate(settings_.largest_rate);
-    for (int finer = 0; finer < kFiner; ++finer) {
-        finest_ = level_of_rate - finer;
-        std::size_t starts = 0, corners = 0;
-        for (Instant& instant : instants_) {
-            instant.pairs.clear();
-            for (int level = finest_; level < finest_ + kLevels; ++level)
-                instant.pairs.push_back(subject_.dice(level, instant.time));
-            corners += instant.pairs.front().corners.size();
-            find_starts(instant);
-            starts += instant.starts.size();
-        }
-        if (starts > 0) return starts;
-        if (corners > kMostCorners) break;
+    finest_ = finest;
+    tracer_.reset();
+    frame_.reset();
+    std::size_t corners = 0;
+    for (Instant& instant : instants_) {
+        instant.starts.clear();
+        instant.pairs.clear();
+        for (int level = finest_; level < finest_ + kLevels; ++level)
+            instant.pairs.push_back(subject_.dice(level, instant.time));
+        corners += instant.pairs.front().corners.size();
     }
-    return 0;
+    return corners;
 }
 
-void EscapeTest::find_starts(Instant& instant)
+bool EscapeTest::has_starts() const
 {
-    const std::vector<Subject::Pair>& pairs = instant.pairs;
-    std::vector<Start>& starts = instant.starts;
-    Box3d box;
-    for (const Vec3f v : pairs.front().corners) box.add(Vec3d(v));
-    const std::size_t triangles = pairs.front().corners.size() / 3;
-    // A large mesh and several moments leave few points for each moment, but at least two are looked for.
-    const auto share = static_cast<std::size_t>(std::clamp<double>(4e6 / double(triangles), 8, 256)) / instants_.size();
-    const std::size_t most = std::max<std::size_t>(share, 8);
-    const MeshPieces pieces(pairs.front());
-    // A mirrored mesh winds the other way around.
-    const int turn = subject_.is_mirrored_at(instant.time) ? -1 : 1;
-    // A point needs so much room that coarser meshes do not pass by it.
-    const double edge = longest_edge(pairs.front()), least_distance = 2 * edge;
-    // Where no finer level will be looked at, more points are tried until one is inside.
-    const std::size_t tries = pairs.front().corners.size() > kMostCorners ? 64 : 4;
-    const auto try_at = [&](Vec3d p) {
-        const double distance = pieces.distance(p, least_distance);
-        if (distance < least_distance || turn * pieces.crossings_along_x(p) < 1) return;
-        const double reach = std::min(distance, box.radius()) * 0.5;
-        if (is_inside_at(pairs, p, reach, turn)) starts.push_back({p, reach});
-    };
-    for (std::size_t attempt = 0; attempt < (starts.empty() ? tries : 4) * most && starts.size() < most / 4; ++attempt) {
-        // Half of the points lie anywhere, half near the surface.
-        Vec3d p = box.lo + box.extent() * Vec3d(uniform(random_), uniform(random_), uniform(random_));
-        if (attempt & 1)
-            p = Vec3d(pick(pairs.front().corners, random_)) + any_direction(random_) * (edge * uniform(random_, 2, 6));
-        try_at(p);
+    return std::ranges::any_of(instants_, [](const Instant& instant) { return !instant.starts.empty(); });
+}
+
+void EscapeTest::find_starts()
+{
+    for (Instant& instant : instants_) {
+        StartSearch(instant, subject_, instants_.size(), random_).anywhere();
+        report_.starts += instant.starts.size();
     }
-    // Few such points are inside of wires and of long poles. So points are tried behind triangles, too.
-    // Each takes time in proportion to the mesh.
-    const double tries_behind = starts.empty() ? std::clamp<double>(4e8 / double(triangles), 256, kTriesBehind) : 0;
-    const std::size_t behind = static_cast<std::size_t>(tries_behind) / instants_.size();
-    for (std::size_t attempt = 0; attempt < behind && starts.size() < most / 4; ++attempt) {
-        const Vec3f* const corner = &pairs.front().corners[random_() % triangles * 3];
-        const Vec3d normal = glm::cross(Vec3d(corner[1] - corner[0]), Vec3d(corner[2] - corner[0]));
-        const double length = glm::length(normal);
-        if (length > 0) try_at(Vec3d(corner[0]) - normal * (turn / length * edge * uniform(random_, 2, 6)));
+}
+
+std::size_t EscapeTest::find_starts_behind()
+{
+    std::size_t found = 0;
+    for (Instant& instant : instants_) {
+        instant.starts.clear();
+        found += StartSearch(instant, subject_, instants_.size(), random_).behind(not_met_);
     }
+    report_.starts += found;
+    return found;
+}
+
+bool EscapeTest::find_first_level()
+{
+    const int level_of_rate = subject_.level_of_rate(settings_.largest_rate);
+    for (int finer = 0; finer < kFiner; ++finer) {
+        const std::size_t corners = dice(level_of_rate - finer);
+        find_starts();
+        if (has_starts()) return true;
+        if (corners > kMostCorners) break;
+    }
+    // In thin walls a point has less room than is looked for at first.
+    return !not_met_.empty() && find_starts_behind() > 0;
 }
 
 EscapeTest::View EscapeTest::next_view()
 {
-    const Instant& instant = instants_.size() > 1 ? pick(instants_, random_) : instants_.front();
+    std::vector<Instant*> seen;
+    for (Instant& instant : instants_)
+        if (!instant.starts.empty()) seen.push_back(&instant);
+    Instant& instant = seen.size() > 1 ? *pick(seen, random_) : *seen.front();
+    instant.is_tested = true;
     const Start& start = pick(instant.starts, random_);
     const int coarsest = std::clamp(std::ilogb(start.reach), finest_ + 1, finest_ + kLevels);
     return {instant, start, coarsest, finest_ + static_cast<int>(random_() % static_cast<unsigned>(coarsest - finest_))};
@@ -260,7 +256,10 @@ accel::Ray EscapeTest::next_ray(const View& view)
 {
     const auto& [instant, start, coarsest, level] = view;
     const Subject::Pair& pair = instant.pairs[static_cast<std::size_t>(level - finest_)];
-    const Target target = any_target(pair, random_);
+    const bool is_at_face = start.face != kNoFace && (random_() & 1) != 0;
+    const Target target = is_at_face ? any_target(Subject::Pair::of_face(pair.grids, start.face),
+                                                  Subject::Pair::of_face(pair.hanging, start.face), random_)
+                                     : any_target(pair.grids, pair.hanging, random_);
     const Vec3d rough = Vec3d(target.grid->at(target.a));
     const double distance = std::max(glm::distance(rough, start.at), 1e-6 * start.reach);
     const double widest = lod::edge_length(coarsest), d = lod::edge_length(level);
@@ -302,83 +301,6 @@ accel::Ray EscapeTest::next_ray(const View& view)
     if (random_() & 1) aimed[axis] = std::nextafterf(aimed[axis], random_() & 1 ? 2.0f : -2.0f);
     ray.direction = aimed;
     return ray;
-}
-
-void EscapeTest::judge(const accel::Ray& ray, const accel::SurfaceHit& hit)
-{
-    if (hit.is_hit()) {
-        const Vec3d all = hit.position + Vec3d(hit.normal_geometric) + Vec3d(hit.normal_shading);
-        report_.not_finite += !std::isfinite(all.x + all.y + all.z + hit.t);
-        if (!hit.back_side) judge_front_side(ray, hit);
-        return;
-    }
-    if (std::abs(winding_of(ray)) < 0.5) {  // the start is outside of the surface that this ray sees
-        ++report_.outside;
-        return;
-    }
-    if (is_grazing(ray)) {
-        ++report_.grazing;
-        return;
-    }
-    ++report_.escaped;
-    if (report_.replay.size() >= 5) return;
-    const RayLine line{number_,         ray.origin * scale_.to_world(),
-                       ray.direction,   double(ray.footprint.a) * scale_.to_world(),
-                       ray.footprint.b, ray.time};
-    report_.replay.push_back(line.text());
-}
-
-void EscapeTest::judge_front_side(const accel::Ray& ray, const accel::SurfaceHit& hit)
-{
-    if (!silhouettes_)
-        silhouettes_ = std::make_unique<Silhouettes>(subject_.scene(), subject_.topologies(), levels_, textures_,
-                                                     subject_.posed().radius);
-    if (silhouettes_->explain(ray)) {
-        ++report_.silhouettes;
-        return;
-    }
-    // A winding number takes as long as thousands of rays, and a cage that folds has many front sides.
-    constexpr int kMostExamined = 16;
-    if (front_sides_examined_ < kMostExamined) {
-        ++front_sides_examined_;
-        if (std::abs(winding_of(ray)) < 0.5) {
-            ++report_.outside;
-            return;
-        }
-    }
-    ++report_.front_side;
-    report_.worst_front = std::max(report_.worst_front, -double(glm::dot(hit.normal_geometric, ray.direction)));
-}
-
-bool EscapeTest::make_table(const accel::Ray& ray, lod::RayLevels<float>& table) const
-{
-    const auto far = static_cast<float>(4 * subject_.posed().radius);
-    if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_)) return false;
-    table.make();
-    return true;
-}
-
-bool EscapeTest::is_grazing(const accel::Ray& ray)
-{
-    if (!(settings_.overlap_ulps > 0)) return false;
-    lod::RayLevels<float> table;
-    if (!make_table(ray, table)) return false;
-    if (!grazing_)
-        grazing_ = std::make_unique<GrazingRays>(subject_.scene(), subject_.topologies(), engine_levels_, textures_,
-                                                 subject_.posed().radius);
-    return grazing_->explain(ray, table);
-}
-
-double EscapeTest::winding_of(const accel::Ray& ray)
-{
-    lod::RayLevels<float> table;
-    if (!make_table(ray, table)) return 1;
-    return winding_number_of_ray(ray.origin - subject_.posed().anchor, glm::normalize(Vec3d(ray.direction)), table, finest_,
-                                 [&](int level) -> const std::vector<lod::LevelGrid>& {
-                                     auto [at, is_new] = diced_.try_emplace({ray.time, level});
-                                     if (is_new) at->second = subject_.dice(level, ray.time).grids;
-                                     return at->second;
-                                 });
 }
 
 }  // namespace occam

@@ -13,8 +13,8 @@
 #include "verify/grazing.h"
 #include "verify/ray_line.h"
 #include "verify/silhouettes.h"
+#include "verify/starts.h"
 #include "verify/subject.h"
-#include "verify/target.h"
 #include "verify/verify.h"
 
 namespace occam {
@@ -42,26 +42,31 @@ private:
     void set_levels();
 
     static constexpr int kLevels = 4, kFiner = 8, kInstants = 8;
-    static constexpr std::size_t kMostCorners = 2'000'000, kRaysOfAView = 512, kTriesBehind = 4096;
-
-    struct Start {
-        Vec3d at;
-        double reach;  ///< edges longer than this may put the point outside
-    };
-    /// A moment of the shutter, and points that are inside the cage then.
-    struct Instant {
-        float time = 0;
-        std::vector<Subject::Pair> pairs;
-        std::vector<Start> starts;
-    };
+    static constexpr std::size_t kRaysOfAView = 512;
 
     /// Chooses the moments at which rays see the cage: one if it stands still, else one of its keys, and others anywhere.
     void choose_instants();
 
-    /// Chooses the moments and the finest level, and finds points inside the cage at all moments. Returns how many. The
-    /// level is finer than the settings ask for if the inside is thinner than its edges.
-    std::size_t find_all_starts();
-    void find_starts(Instant& instant);
+    /// Dices the cage from this level on, at all moments. Returns the number of corners of the finest meshes.
+    std::size_t dice(int finest);
+
+    /// Finds points anywhere inside the cage, at all moments.
+    void find_starts();
+    /// Finds other points instead, behind faces that were not met. Returns how many.
+    std::size_t find_starts_behind();
+    bool has_starts() const;
+
+    /// Dices the cage from the first level on at which there is a point inside. The level is finer than the settings ask
+    /// for if the inside is thinner than its edges. Returns false if there is none.
+    bool find_first_level();
+
+    /// Sends rays until the report counts as many, if there are starts.
+    void send(std::uint64_t rays);
+    /// Tests the first level, and finer ones while there are faces that were not met.
+    void test_all_levels(std::uint64_t rays);
+    /// Sends rays from the level's starts, and from others behind the faces that they did not meet, until no more of these
+    /// are met.
+    void test_level(std::uint64_t rays);
 
     /// Describes what the rays of a batch have in common, so that they are coherent and are traced quickly.
     struct View {
@@ -76,6 +81,11 @@ private:
 
     void judge(const accel::Ray& ray, const accel::SurfaceHit& hit);
     void judge_front_side(const accel::Ray& ray, const accel::SurfaceHit& hit);
+    void count_escape(const accel::Ray& ray);
+
+    /// Returns whether the ray was out of the surface that it sees somewhere between its start, which is inside, and its
+    /// hit. Places that are within rounding of the surface do not count.
+    bool was_out_before(const accel::Ray& ray, const accel::SurfaceHit& hit);
 
     /// Makes the table of the ray's levels within the cage, with which it was traced. Returns false if there is none.
     bool make_table(const accel::Ray& ray, lod::RayLevels<float>& table) const;
@@ -83,8 +93,8 @@ private:
     /// Returns whether the ray passed between two levels only because they overlap less here than in the engine.
     bool is_grazing(const accel::Ray& ray);
 
-    /// Returns the winding number, about the start of the ray, of the surface that the ray sees.
-    double winding_of(const accel::Ray& ray);
+    /// Returns the winding number, about a place along the ray or beside it, of the surface that the ray sees.
+    double winding_of(const accel::Ray& ray, Vec3d from_start = Vec3d(0));
 
     std::size_t number_;
     const VerifySettings& settings_;
@@ -98,10 +108,14 @@ private:
     Subject subject_;
     int finest_ = 0;
     std::vector<Instant> instants_;
+    std::vector<std::uint32_t> not_met_;   ///< faces that no ray met
+    std::vector<bool> is_met_;             ///< by face
+    std::unique_ptr<accel::Frame> frame_;  ///< of the level; made when rays are sent
+    std::unique_ptr<accel::Tracer> tracer_;
     lod::LevelSettings levels_, engine_levels_;
-    std::unique_ptr<GrazingRays> grazing_;      ///< made when the first ray hits nothing
-    int front_sides_examined_ = 0;              ///< by the winding number
-    std::unique_ptr<Silhouettes> silhouettes_;  ///< made when the first ray hits a front side
+    std::unique_ptr<GrazingRays> grazing_;                     ///< made when the first ray hits nothing
+    int front_sides_examined_ = 0, silhouettes_examined_ = 0;  ///< by the winding number
+    std::unique_ptr<Silhouettes> silhouettes_;                 ///< made when the first ray hits a front side
 };
 
 }  // namespace occam

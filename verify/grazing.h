@@ -21,7 +21,7 @@ public:
     GrazingRays(const Scene& scene, lod::TopologyCache& topologies, const lod::LevelSettings& levels,
                 const TextureStore* textures, float radius);
 
-    /// Returns whether a ray that hit nothing hits the surface with the engine's overlap, no farther from a transition
+    /// Returns whether a ray that left the surface hits its back with the engine's overlap, no farther from a transition
     /// of `table` than the rounding of vertices explains at the angle at which the ray hits the surface.
     /// table   is the ray's table, already made, with the overlap with which it was traced.
     bool explain(const accel::Ray& ray, const lod::RayLevels<float>& table);

@@ -11,6 +11,8 @@
 namespace occam {
 namespace {
 
+constexpr double kFarthestLevel = 200;  // beyond the exponents of floats
+
 [[noreturn]] void refuse(const std::string& what) { throw error_without_file(what, "ray"); }
 
 double number_of(std::string_view word)
@@ -42,6 +44,7 @@ std::string RayLine::text() const
     out << "origin " << origin.x << ' ' << origin.y << ' ' << origin.z << ", direction " << direction.x << ' ' << direction.y
         << ' ' << direction.z << ", footprint " << width << ' ' << spread;
     if (time > 0) out << ", time " << time;
+    if (level) out << ", level " << *level;
     return out.str();
 }
 
@@ -69,6 +72,11 @@ RayLine read_ray_line(std::string_view text)
             has_footprint = true;
         } else if (name == "time") {
             line.time = static_cast<float>(next(name));
+        } else if (name == "level") {
+            const double level = next(name);
+            if (!(std::fabs(level) <= kFarthestLevel && level == std::floor(level)))
+                refuse("a level is a small whole number");
+            line.level = static_cast<int>(level);
         } else if (name == "cage") {
             const double number = next(name);
             if (!(number >= 0 && number < 1e9 && number == std::floor(number))) refuse("a cage has a whole number");

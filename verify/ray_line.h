@@ -3,6 +3,7 @@
 // Space    world lengths.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,9 +18,11 @@ struct RayLine {
     double width = 0;  ///< of the beam at the origin
     float spread = 0;  ///< by which the beam grows per length
     float time = 0;
+    /// The finest level of the test. If there is none, it is the first at which a point inside is found.
+    std::optional<int> level{};
 
-    /// Returns "cage N, origin X Y Z, direction X Y Z, footprint WIDTH SPREAD, time T", with all digits. Cage 0 and time 0
-    /// are left out.
+    /// Returns "cage N, origin X Y Z, direction X Y Z, footprint WIDTH SPREAD, time T, level L", with all digits. Cage 0,
+    /// time 0 and no level are left out.
     std::string text() const;
 };
 

@@ -1,5 +1,6 @@
 #include "verify/ray_surface.h"
 
+#include <algorithm>
 #include <array>
 
 #include "verify/closed.h"
@@ -21,6 +22,12 @@ public:
 
     void operator()(const Vec3d& a, const Vec3d& b, const Vec3d& c)
     {
+        const auto [least, most] = std::minmax({depth(a), depth(b), depth(c)});
+        if (most < range_.near || least > range_.far) return;
+        if (least >= range_.near && most <= range_.far) {
+            out_.insert(out_.end(), {a, b, c});
+            return;
+        }
         polygon_ = {a, b, c};
         cut(range_.near, 1);
         cut(range_.far, -1);
@@ -29,13 +36,14 @@ public:
     }
 
 private:
+    double depth(const Vec3d& p) const { return glm::dot(p - from_, direction_); }
+
     void cut(double plane, double sign)
     {
         next_.clear();
         for (std::size_t k = 0; k < polygon_.size(); ++k) {
             const Vec3d p = polygon_[k], q = polygon_[(k + 1) % polygon_.size()];
-            const double at_p = sign * (glm::dot(p - from_, direction_) - plane),
-                         at_q = sign * (glm::dot(q - from_, direction_) - plane);
+            const double at_p = sign * (depth(p) - plane), at_q = sign * (depth(q) - plane);
             if (at_p >= 0) next_.push_back(p);
             if ((at_p >= 0) != (at_q >= 0)) next_.push_back(p + (q - p) * (at_p / (at_p - at_q)));
         }
@@ -64,7 +72,7 @@ std::vector<Vec3d> blended(const lod::LevelGrid& grid, Vec3d from, Vec3d directi
 
 }  // namespace
 
-double winding_number_of_ray(Vec3d from, Vec3d direction, const lod::RayLevels<float>& table, int finest,
+double winding_number_of_ray(Vec3d point, Vec3d from, Vec3d direction, const lod::RayLevels<float>& table, int finest,
                              const std::function<const std::vector<lod::LevelGrid>&(int level)>& dice)
 {
     constexpr double kEverywhere = 1e30;
@@ -96,7 +104,7 @@ double winding_number_of_ray(Vec3d from, Vec3d direction, const lod::RayLevels<f
                     clip(at(0, 0), at(1, 1), at(0, 1));
                 }
         }
-        sum += winding_number(std::span<const Vec3d>(corners), from);
+        sum += winding_number(std::span<const Vec3d>(corners), point);
     }
     return sum;
 }

@@ -10,15 +10,15 @@
 
 namespace occam {
 
-/// Returns the winding number of the surface that a ray sees about the ray's own origin, in double and without any
-/// tree.
+/// Returns the winding number about a point of the surface that a ray sees, in double and without any tree.
 ///
 /// The ray's pairs are cut at its transitions, the planes at distance t along it, and the solid angles of the pieces
 /// are summed. Pairs finer than `finest` are replaced by `finest`: pieces that small change nothing.
 ///
+/// from    is the origin of the ray.
 /// table   is the ray's table, already made.
 /// dice    returns all grids of a cage for the pair of a level and the next one.
-double winding_number_of_ray(Vec3d from, Vec3d direction, const lod::RayLevels<float>& table, int finest,
+double winding_number_of_ray(Vec3d point, Vec3d from, Vec3d direction, const lod::RayLevels<float>& table, int finest,
                              const std::function<const std::vector<lod::LevelGrid>&(int level)>& dice);
 
 }  // namespace occam

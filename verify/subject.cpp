@@ -82,6 +82,21 @@ bool Subject::is_mirrored_at(float time) const noexcept
     return segments > 0 ? posed_->is_mirrored_at(lod::key_time(time, segments)) : posed_->is_mirrored;
 }
 
+std::vector<std::uint32_t> Subject::faces() const
+{
+    std::vector<std::uint32_t> faces;
+    for (const Patch& patch : patches_)
+        if (faces.empty() || faces.back() != patch.ref.face) faces.push_back(patch.ref.face);
+    return faces;
+}
+
+std::span<const lod::LevelGrid> Subject::Pair::of_face(const std::vector<lod::LevelGrid>& grids, std::uint32_t face)
+{
+    const auto face_of = [](const lod::LevelGrid& grid) { return grid.tile.patch.face; };
+    const auto [first, last] = std::ranges::equal_range(grids, face, {}, face_of);
+    return {first, last};
+}
+
 int Subject::level_of_rate(int rate) const
 {
     int level = lod::kFinestLevel;

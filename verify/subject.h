@@ -31,6 +31,8 @@ public:
     lod::TopologyCache& topologies() noexcept { return topologies_; }
     const lod::PosedCage& posed() const noexcept { return *posed_; }
     bool is_empty() const noexcept { return patches_.empty(); }
+    /// Returns the faces that have a surface, in ascending order.
+    std::vector<std::uint32_t> faces() const;
     /// Returns how many sizes the cage has while the shutter is open; it is in poses of its own at each of them.
     std::size_t size_count() const noexcept { return size_count_; }
     /// Returns whether the cage has this size in that segment of the shutter.
@@ -46,6 +48,9 @@ public:
         int level = 0;
         std::vector<lod::LevelGrid> grids, hanging;  ///< all grids, and those with T-vertices
         std::vector<Vec3f> corners;                  ///< corners of the fine mesh's triangles
+
+        /// Returns those of `grids` or `hanging` that belong to a face.
+        static std::span<const lod::LevelGrid> of_face(const std::vector<lod::LevelGrid>& grids, std::uint32_t face);
     };
     /// Returns the whole cage at a pair of levels, as rays of this moment see it.
     Pair dice(int level, float time);

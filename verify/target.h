@@ -48,18 +48,20 @@ struct Target {
 
 /// Picks a target: 30 % are T-vertices (if there are any), 15 % are vertices, and the others are points of edges and
 /// diagonals.
-inline Target any_target(const Subject::Pair& pair, Random& random)
+/// grids     to pick from
+/// hanging   those of them that have T-vertices
+inline Target any_target(std::span<const lod::LevelGrid> grids, std::span<const lod::LevelGrid> hanging, Random& random)
 {
     Target target;
     const double choice = uniform(random);
-    if (choice < 0.3 && !pair.hanging.empty()) {
-        target.grid = &pick(pair.hanging, random);
+    if (choice < 0.3 && !hanging.empty()) {
+        target.grid = &pick(hanging, random);
         target.hanging = &pick(target.grid->hanging, random);
         target.a = static_cast<int>(target.hanging->a);
         target.c = static_cast<int>(target.hanging->c);
         return target;
     }
-    target.grid = &pick(pair.grids, random);
+    target.grid = &pick(grids, random);
     const int i = static_cast<int>(random() % static_cast<unsigned>(target.grid->tile.columns));
     const int j = static_cast<int>(random() % static_cast<unsigned>(target.grid->tile.rows));
     const int to[3][2] = {{1, 0}, {0, 1}, {1, 1}};

@@ -26,7 +26,7 @@ VerifiedCage report_of(const ShownCage& shown)
     return report;
 }
 
-/// Calls call(shown, textures) for each placed cage of a scene.
+/// Calls call(shown, textures) for each placed cage of a scene. Throws Error if a displacement cannot be read.
 template <class Call>
 void for_each_shown(Scene& scene, Call&& call)
 {
@@ -40,6 +40,7 @@ void for_each_shown(Scene& scene, Call&& call)
             const std::optional<CageSlot> made = slot->is_on_demand() ? std::optional(slot->made()) : std::nullopt;
             call(ShownCage{made ? *made : *slot, &node, scene.find(node.skin), world_from_node, scene.shutter_segments()},
                  textures);
+            textures.throw_if_failed();
         }
     });
 }
@@ -94,6 +95,7 @@ VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const Veri
     const ShownCage shown{slot, nullptr, nullptr, {&world_from_object, 1}, 0};
     VerifiedCage report = report_of(shown);
     if (report.not_testable.empty()) test_each_size(shown, settings, textures, report);
+    if (textures) textures->throw_if_failed();
     return report;
 }
 

@@ -38,11 +38,16 @@ struct VerifiedCage {
     std::uint64_t faces = 0;
     std::string not_testable;  ///< the reason; empty if the cage was tested
     std::uint64_t starts = 0;  ///< points inside from which rays start
+    /// The number of faces that no ray met, at the size of the cage at which there are most of them. Points inside are
+    /// looked for behind faces that were not met, until all are, or meshes in which there is more room would be too large.
+    std::uint64_t faces_not_met = 0;
+    /// The number of moments of the shutter at which no point inside was found, so that no ray saw the cage.
+    std::uint64_t moments_not_tested = 0;
     std::uint64_t rays = 0, escaped = 0;
     /// Counts rays that started outside of the surface that they see, among those that hit nothing or a front side:
     /// coarse meshes of thin parts leave some points of the fine inside outside of the surface that one ray sees. The
-    /// winding number of that surface tells; it is computed for all rays that hit nothing, and for the first 16 that hit
-    /// a front side.
+    /// winding number of that surface tells; it is computed for all rays that hit nothing, and for the first eight that
+    /// hit a front side.
     std::uint64_t outside = 0;
     /// Counts rays at so small an angle to the surface that they passed between two levels through a gap of rounding,
     /// where these overlap by overlap_ulps alone. The engine's overlap closes the gap: each of them hit the surface
@@ -52,8 +57,10 @@ struct VerifiedCage {
     /// Counts hits on front sides that are narrower than rounding: at the outline of a ridge a ray leaves the surface and
     /// enters it again at once, and either place may be found first. Rays beside such a ray hit back sides.
     std::uint64_t silhouettes = 0;
-    /// Counts other hits on front sides, which a ray from inside finds only where micropolygons are turned over or coarse
-    /// meshes fold.
+    /// Counts other hits on front sides. A ray from inside finds them where micropolygons are turned over, or coarse meshes
+    /// fold or cross. If it left the cage through its surface before, as into a cavity or across a gap between two parts, it
+    /// counts as escaped instead. The winding number at places before the hit tells; it is computed for the first eight of
+    /// these and the first eight of the silhouettes.
     std::uint64_t front_side = 0;
     /// The largest cosine among them between the outward normal and the direction back to the origin.
     double worst_front = 0;

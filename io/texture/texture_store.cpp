@@ -362,4 +362,10 @@ std::vector<std::string> TextureStore::errors() const
     return lines;
 }
 
+void TextureStore::throw_if_failed() const
+{
+    if (!has_failed()) return;
+    if (const std::vector<std::string> lines = errors(); !lines.empty()) throw error_without_file(lines.front());
+}
+
 }  // namespace occam

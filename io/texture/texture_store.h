@@ -87,6 +87,9 @@ public:
     std::vector<std::string> errors() const;
     /// Returns true if errors() may have something to say; it costs next to nothing.
     bool has_failed() const noexcept;
+    /// Throws the first of errors() as an Error, if there is one: what was found with a stand-in for a texture does not
+    /// count.
+    void throw_if_failed() const;
 
 private:
     struct State;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 #include "occam/occam.h"
@@ -117,6 +118,27 @@ TEST_F(Unreadable, ATextureLeavesTheSamplesThatWereMadeBefore)
     ASSERT_EQ(p.size(), q.size());
     EXPECT_EQ(std::memcmp(p.data(), q.data(), p.size() * sizeof(float)), 0);
     EXPECT_EQ(resumed.stats().image.samples, at_once.stats().image.samples);
+}
+
+// What was tested with a stand-in for a displacement would be another surface.
+TEST_F(Unreadable, ADisplacementEndsTheTestOfClosedness)
+{
+    Scene broken;
+    Texture texture;
+    texture.path = png();
+    Cage cage = test::torus();
+    cage.uv_sets.push_back({.values = {{0.5f, 0.5f}}, .indices = std::vector<std::uint32_t>(cage.face_vertices.size(), 0)});
+    Displacement& displacement = cage.displacement.emplace();
+    displacement.texture.texture = broken.add(std::move(texture));
+    displacement.scale = 0.01f;
+    displacement.bound = 0.01f;
+    test::place(broken, broken.add(std::move(cage)), {0, 0, 0});
+    EXPECT_THROW(verify(broken, {.rays = 1, .largest_rate = 4}), Error);
+    std::ostringstream out;
+    EXPECT_THROW(replay(broken, {}, "origin 1 0 0, direction 1 0 0, footprint 0.1 0", out), Error);
+    flip_a_byte_of(png());
+    const std::vector<VerifiedCage> reports = verify(broken, {.rays = 1, .largest_rate = 4});
+    EXPECT_EQ(reports[0].rays, 512u) << reports[0].not_testable;
 }
 
 // A frame does not end because of a texture that its scene no longer has.

@@ -137,7 +137,7 @@ TEST(Replay, ViewsOfCostsShowEveryCameraRay)
 
 TEST(Replay, ALineOfARayHasAllItsBits)
 {
-    const RayLine line{3, {1.0 / 3, -2e-17, 1e30}, {0.6f, 0, -0.8f}, 1.0 / 7, -0.1f, 0.3f};
+    const RayLine line{3, {1.0 / 3, -2e-17, 1e30}, {0.6f, 0, -0.8f}, 1.0 / 7, -0.1f, 0.3f, -7};
     const RayLine read = read_ray_line(line.text());
     EXPECT_EQ(read.cage, line.cage);
     EXPECT_EQ(read.origin, line.origin);
@@ -145,12 +145,14 @@ TEST(Replay, ALineOfARayHasAllItsBits)
     EXPECT_EQ(read.width, line.width);
     EXPECT_EQ(read.spread, line.spread);
     EXPECT_EQ(read.time, line.time);
+    EXPECT_EQ(read.level, line.level);
     for (const char* wrong :
          {"", "origin 0 0 0", "origin 0 0, direction 0 0 1, footprint 1 0", "origin 0 0 0, direction 0 0 2, footprint 1 0",
           "origin 0 0 nan, direction 0 0 1, footprint 1 0", "origin 0 0 0, direction 0 0 1, footprint 1 0, time 2",
           "origin 0 0 0, direction 0 0 1, footprint 1 0, cage -1", "origin 0 0 0, direction 0 0 1, footprint 1 0, what 1",
           "origin 0 0 0, direction 0 0 1, footprint 1", "origin 0 0 0, direction 0 0 1, footprint 0 -1",
-          "origin 0 0 0, direction 0 0 1, footprint -1 2"})
+          "origin 0 0 0, direction 0 0 1, footprint -1 2", "origin 0 0 0, direction 0 0 1, footprint 1 0, level 0.5",
+          "origin 0 0 0, direction 0 0 1, footprint 1 0, level 1e9"})
         EXPECT_THROW(read_ray_line(wrong), Error) << wrong;
 }
 
