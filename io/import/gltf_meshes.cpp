@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
+#include <span>
+#include <utility>
 
 #include "io/import/file_colors.h"
 #include "io/import/gltf_value.h"
@@ -49,7 +53,7 @@ void append(std::vector<T>& to, std::size_t to_vertices, const std::vector<T>& f
     to.resize(to_vertices + from_vertices, otherwise);
 }
 
-// Appends the faces of `part` to those of `cage`, with a material slot of their own.
+// Appends the faces of `part` to those of `cage`, with a material slot of their own. What moves them is left to join().
 void append(Cage& cage, const Cage& part)
 {
     const std::size_t n = cage.positions.size(), m = part.positions.size();
@@ -69,6 +73,69 @@ void append(Cage& cage, const Cage& part)
     cage.materials.push_back(part.materials.empty() ? MaterialId() : part.materials[0]);
 }
 
+// Says what moves the vertices of parts that become one cage.
+struct Motion {
+    std::vector<bool> moves;  // by morph target: it has offsets in one of the parts at least
+    int sets = 0;             // of joints, in the part that has most
+};
+Motion motion_of(const std::vector<Cage>& parts)
+{
+    Motion motion;
+    for (const Cage& part : parts) {
+        motion.sets = std::max(motion.sets, part.skin.sets);
+        if (motion.moves.size() < part.morph_targets.size()) motion.moves.resize(part.morph_targets.size());
+        for (std::size_t t = 0; t < part.morph_targets.size(); ++t)
+            if (!part.morph_targets[t].positions.empty()) motion.moves[t] = true;
+    }
+    return motion;
+}
+
+// Returns how many bytes of zeros join() adds.
+std::size_t padding_of(const std::vector<Cage>& parts)
+{
+    constexpr std::size_t kSet = sizeof(SkinBinding::joints[0]) + sizeof(SkinBinding::weights[0]);
+    const Motion motion = motion_of(parts);
+    const auto moving = static_cast<std::size_t>(std::count(motion.moves.begin(), motion.moves.end(), true));
+    std::size_t bytes = 0;
+    for (const Cage& part : parts) {
+        std::size_t own = 0;
+        for (const MorphTarget& target : part.morph_targets) own += !target.positions.empty();
+        bytes += part.positions.size() *
+                 ((moving - own) * sizeof(Vec3f) + static_cast<std::size_t>(motion.sets - part.skin.sets) * kSet);
+    }
+    return bytes;
+}
+
+// Makes one cage of several. A part that lacks a morph target, or a set of joints that another part has, gets offsets or
+// weights of 0 there, which move nothing.
+Cage join(const std::vector<Cage>& parts)
+{
+    Cage whole;
+    whole.name = parts.at(0).name;
+    for (const Cage& part : parts) append(whole, part);
+    const Motion motion = motion_of(parts);
+    const std::size_t vertices = whole.positions.size();
+    whole.morph_targets.resize(motion.moves.size());
+    for (std::size_t t = 0; t < motion.moves.size(); ++t)
+        if (motion.moves[t]) whole.morph_targets[t].positions.resize(vertices, Vec3f(0));
+    whole.skin.sets = motion.sets;
+    whole.skin.joints.resize(static_cast<std::size_t>(motion.sets) * vertices, glm::u16vec4(0));
+    whole.skin.weights.resize(whole.skin.joints.size(), Vec4f(0));
+    std::size_t first = 0;
+    for (const Cage& part : parts) {
+        const std::size_t count = part.positions.size();
+        for (std::size_t t = 0; t < part.morph_targets.size(); ++t)
+            std::ranges::copy(part.morph_targets[t].positions, whole.morph_targets[t].positions.data() +
+                                                                   (part.morph_targets[t].positions.empty() ? 0 : first));
+        for (std::size_t set = 0; set < static_cast<std::size_t>(part.skin.sets); ++set) {
+            std::copy_n(part.skin.joints.data() + set * count, count, whole.skin.joints.data() + set * vertices + first);
+            std::copy_n(part.skin.weights.data() + set * count, count, whole.skin.weights.data() + set * vertices + first);
+        }
+        first += count;
+    }
+    return whole;
+}
+
 }  // namespace
 
 const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
@@ -83,43 +150,55 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
     // Accessors are charged for what they hold. A second style makes all cages of a mesh anew.
     const std::size_t again = meshes_with_cages_.insert(mesh).second ? 0 : sizeof(CageSlot) + kBytesBesideASlot;
     accessors_.copies().charge(m.primitives.size(), m.name.size() + again, where);
-    std::vector<PrimitiveCage> parts;
-    for (std::size_t p = 0; p < m.primitives.size(); ++p)
-        if (std::optional<PrimitiveCage> part = read(m.primitives[p], where + ".primitives[" + std::to_string(p) + "]")) {
-            part->cage.name = m.name;
-            const auto weights = std::span(m.weights).first(std::min(m.weights.size(), part->cage.morph_targets.size()));
-            for (const double weight : weights) part->cage.morph_weights.push_back(static_cast<float>(weight));
-            parts.push_back(*std::move(part));
+    std::vector<Cage> made;
+    for (std::size_t p = 0; p < m.primitives.size(); ++p) {
+        std::optional<PrimitiveCage> part = read(m.primitives[p], where + ".primitives[" + std::to_string(p) + "]");
+        if (!part) continue;
+        part->cage.name = m.name;
+        if (is_cage) restore_polygons(part->cage, part->has_polygons);
+        made.push_back(std::move(part->cage));
+    }
+    if (is_cage) made = joined(std::move(made), where);
+    for (Cage& cage : made) {
+        if (!is_cage) {
+            drop_same_triangles(cage, report_);
+            check_boxes(cage, report_);
         }
-    const auto add = [&](Cage cage) {
+        const auto weights = std::span(m.weights).first(std::min(m.weights.size(), cage.morph_targets.size()));
+        for (const double weight : weights) cage.morph_weights.push_back(static_cast<float>(weight));
         style.apply(cage);
         if (style.displacement) cage.displacement = materials_.displacement(*style.displacement, where);
         ids.push_back(scene_.add(std::move(cage)));
-    };
-    if (!is_cage) {
-        for (PrimitiveCage& part : parts) {
-            drop_same_triangles(part.cage, report_);
-            check_boxes(part.cage, report_);
-            add(std::move(part.cage));
-        }
-        return ids;
     }
-    for (PrimitiveCage& part : parts) restore_polygons(part.cage, part.has_polygons);
-    if (parts.empty()) return ids;
-    // Parts with skins or morph targets stay separate, since their arrays need not match.
-    const bool is_deformed = std::any_of(parts.begin(), parts.end(), [](const PrimitiveCage& part) {
-        return part.cage.skin.sets > 0 || !part.cage.morph_targets.empty();
-    });
-    if (parts.size() == 1 || is_deformed || parts.size() > 0xffff) {
-        for (PrimitiveCage& part : parts) weld(part.cage), add(std::move(part.cage));
-        return ids;
-    }
-    Cage whole;
-    whole.name = m.name;
-    for (const PrimitiveCage& part : parts) append(whole, part.cage);
-    weld(whole);
-    add(std::move(whole));
     return ids;
+}
+
+std::vector<Cage> MeshImporter::joined(std::vector<Cage> parts, const std::string& where)
+{
+    constexpr std::size_t kMostSlots = 0xffff;
+    std::vector<Cage> whole, skinned;
+    if (parts.size() > kMostSlots) {
+        report_.warn("of a mesh of more than 65535 primitives each is subdivided by itself", where);
+        whole = std::move(parts);
+    } else {
+        const auto is_skinned = [](const Cage& part) { return part.skin.sets > 0; };
+        const auto moved = std::stable_partition(parts.begin(), parts.end(), std::not_fn(is_skinned));
+        skinned.assign(std::make_move_iterator(moved), std::make_move_iterator(parts.end()));
+        parts.erase(moved, parts.end());
+        if (!parts.empty() && !skinned.empty())
+            report_.warn("primitives with joints are subdivided apart from those without", where);
+        for (std::vector<Cage>* group : {&parts, &skinned}) {
+            if (group->size() > 1) {
+                accessors_.copies().charge(1, padding_of(*group), where);
+                whole.push_back(join(*group));
+            } else if (!group->empty()) {
+                whole.push_back(std::move(group->front()));
+            }
+            group->clear();
+        }
+    }
+    for (Cage& cage : whole) weld(cage);
+    return whole;
 }
 
 std::optional<MeshImporter::PrimitiveCage> MeshImporter::read(const tinygltf::Primitive& primitive, const std::string& where)

@@ -25,8 +25,8 @@ public:
     /// Sets the number of the variant whose materials primitives get; -1 means their own.
     void set_variant(int variant) noexcept { variant_ = variant; }
 
-    /// Returns one cage for each primitive, or one for the whole mesh if it is to be subdivided. They are made once for each
-    /// (mesh, style).
+    /// Returns one cage for each primitive. If the mesh is to be subdivided it is one cage, or two where only some
+    /// primitives have joints. They are made once for each (mesh, style).
     const std::vector<CageId>& cages(int mesh, const CageStyle& style);
 
 private:
@@ -34,6 +34,9 @@ private:
         Cage cage;                  ///< Scheme::Triangles
         bool has_polygons = false;  ///< FB_ngon_encoding
     };
+    /// Joins the primitives of a mesh that is to be subdivided, so that no crease is between them, and welds their vertices.
+    /// A skin moves a primitive as a whole or not at all, so those with joints are apart from those without.
+    std::vector<Cage> joined(std::vector<Cage> parts, const std::string& where);
     std::optional<PrimitiveCage> read(const tinygltf::Primitive& primitive, const std::string& where);
     /// The vertices that the accessors of a primitive hold, and those of them that it uses.
     struct Vertices {

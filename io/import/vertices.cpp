@@ -72,7 +72,7 @@ struct Renumbering {
         apply(cage.positions);
         apply(cage.normals);
         if (cage.color_indices.empty()) apply(cage.colors);
-        for (MorphTarget& target : cage.morph_targets) apply(target.positions), apply(target.normals);
+        for (MorphTarget& target : cage.morph_targets) apply(target.positions);
         apply_sets(cage.skin.joints, cage.skin.sets);
         apply_sets(cage.skin.weights, cage.skin.sets);
         for (std::uint32_t& v : cage.face_vertices) v = v < new_of.size() ? new_of[v] : kNoIndex;
@@ -153,6 +153,7 @@ void weld(Cage& cage)
     VertexPlaces places = places_of(cage);
     const Renumbering renumbering{std::move(places.of), places.count};
     cage.normals.clear();
+    for (MorphTarget& target : cage.morph_targets) target.normals.clear();
     for (UvSet& set : cage.uv_sets)
         if (set.indices.empty()) weld_values(set.values, set.indices, cage, renumbering);
     if (!cage.colors.empty() && cage.color_indices.empty()) weld_values(cage.colors, cage.color_indices, cage, renumbering);

@@ -26,7 +26,7 @@ VertexPlaces places_of(const Cage& cage);
 
 /// Joins vertices of equal position that morph targets and skins move alike, so that lips which are closed at rest can open.
 /// Texture coordinates and colours become face-varying, and each different value at a vertex is kept once. Normals are
-/// dropped.
+/// dropped, and so are what morph targets add to them.
 void weld(Cage& cage);
 
 }  // namespace occam::import
