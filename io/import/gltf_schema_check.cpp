@@ -110,8 +110,8 @@ private:
     {
         if (!value.is_number()) refuse("must be a number", where);
         const double x = value.get<double>();
-        // The library takes an integer with a point for one that is missing, which is the same only for 0.
-        if (rule.kind == Kind::Integer && !value.is_number_integer() && x != 0)
+        // The library takes an integer with a point for one that is missing.
+        if (rule.kind == Kind::Integer && !value.is_number_integer())
             refuse("must be an integer without a point, not " + value.dump(), where);
         if (!std::isfinite(x) || x < rule.low || x > rule.high || (rule.kind == Kind::Positive && x <= rule.low))
             refuse("is out of range: " + value.dump(), where);

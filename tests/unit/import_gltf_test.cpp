@@ -113,7 +113,9 @@ TEST(ImportGltf, IntegersWithAPointAreRefusedByName)
     EXPECT_NE(with("byteOffset", "12.0").find("must be an integer without a point, not 12.0 (accessors[0].byteOffset)"),
               std::string::npos);
     EXPECT_NE(with("byteOffset", "0.5").find("must be an integer without a point, not 0.5"), std::string::npos);
+    EXPECT_NE(with("byteOffset", "0.0").find("not 0.0 (accessors[0].byteOffset)"), std::string::npos);
     EXPECT_EQ(with("mode", "4"), "");
+    EXPECT_NE(with("mode", "0.0").find("not 0.0 (meshes[0].primitives[0].mode)"), std::string::npos) << "no triangles";
     EXPECT_NE(with("mode", "5.0").find("not 5.0 (meshes[0].primitives[0].mode)"), std::string::npos);
 }
 
