@@ -12,7 +12,6 @@
 #include "io/import/gltf_rules.h"
 #include "io/import/gltf_schema_check.h"
 #include "io/import/gltf_size.h"
-#include "io/import/gltf_uri.h"
 
 namespace occam::import {
 
@@ -143,9 +142,8 @@ CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
     check_scene_rules(root, report);
     warn_of_empty_extras(root, report);
 
-    bool is_changed = false;
     for (std::size_t b = 0; b < list(root, "buffers").size(); ++b) {
-        json& buffer = root["buffers"][b];
+        const json& buffer = root["buffers"][b];
         if (!text(buffer, "uri").empty()) {
             check_source(buffer, element("buffers", b), report);
             continue;
@@ -157,16 +155,11 @@ CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
                         is_compressed ? "has no data but for EXT_meshopt_compression, which is not read" : "has no data",
                         element("buffers", b));
         }
-        buffer["uri"] = kBinaryChunk;
-        is_changed = true;
     }
-    is_changed |= join_buffers(root, report.folder());
-
+    join_buffers(root, report.folder());
     CheckedGltf checked;
-    if (is_changed) checked.json = root.dump();
-    for (const json& buffer : list(root, "buffers"))
-        if (const std::string uri = text(buffer, "uri"); !uri.starts_with("data:"))
-            checked.files[decode_uri(uri)] = static_cast<std::size_t>(integer(buffer, "byteLength", 0));
+    checked.buffers = take_sources(root);
+    checked.json = root.dump();
     return checked;
 }
 

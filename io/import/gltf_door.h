@@ -7,19 +7,16 @@
 #include <string>
 #include <string_view>
 
+#include "io/import/gltf_buffers.h"
 #include "io/import/report.h"
 
 namespace occam::import {
 
-/// Replaces the URI of the buffer that lies in the binary chunk.
-inline constexpr const char* kBinaryChunk = "<binary chunk>";
-
 /// Holds a document that has passed validation.
 struct CheckedGltf {
-    /// The document, with kBinaryChunk in place of the binary chunk's URI and one buffer for each file; empty if nothing was
-    /// replaced.
+    /// The document as tinygltf reads it rightly: with names of ours for the buffers, of which each file has one.
     std::string json;
-    std::map<std::string, std::size_t> files;  ///< for each decoded URI, the bytes that its buffer reads
+    std::map<std::string, BufferSource> buffers;  ///< by these names
 };
 
 /// Checks the JSON against the schema: types, required properties, ranges, and that every index names something. What a

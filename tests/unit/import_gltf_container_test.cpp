@@ -96,5 +96,68 @@ TEST(ImportGltfContainer, AFileMayBeLongerThanItsBufferButNotShorter)
     EXPECT_NE(error_of(file), "");
 }
 
+// In the path of a URI a plus sign is a plus sign (RFC 3986), and a percent sign may be one, too.
+TEST(ImportGltfContainer, FilesOfBuffersMayHaveAnyName)
+{
+    const TempFolder folder;
+    const std::pair<const char*, const char*> names[] = {{"a+b.bin", "a+b.bin"},     {"C++.bin", "C%2B%2b.bin"},
+                                                         {"d%zz.bin", "d%zz.bin"},   {"e%.bin", "e%25.bin"},
+                                                         {"f.bin", "./f.bin"},       {"<binary chunk>", "<binary chunk>"},
+                                                         {"g%00.bin", "g%2500.bin"}, {"<buffer 1>", "<buffer 1>"}};
+    for (const auto& [name, uri] : names) {
+        const Gltf g = square();
+        std::string text = g.json();
+        const std::string from = "data%20file.bin";
+        text.replace(text.find(from), from.size(), uri);
+        folder.write(name, g.bin);
+        const auto file = folder.write("names.gltf", text);
+        EXPECT_EQ(error_of(file, {.strict = true}), "") << uri;
+        const Scene scene = load(file);
+        EXPECT_EQ(cages(scene).at(0)->face_count(), 2u) << uri;
+        EXPECT_EQ(scene.files.size(), 2u) << uri;
+    }
+}
+
+// An image is the file of its name, even if our own name of a buffer is the same.
+TEST(ImportGltfContainer, AnImageIsNoBuffer)
+{
+    const TempFolder folder;
+    folder.write("<buffer 0>", "image");
+    Gltf g = square(R"(, "material": 0)");
+    g.more = R"(, "images": [{"uri": "<buffer 0>"}], "textures": [{"source": 0}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])";
+    const Scene scene = load(g.write(folder));
+    const Texture& image = scene.texture(scene.material(cages(scene).at(0)->materials.at(0)).base_color_texture.texture);
+    EXPECT_FALSE(image.encoded);
+    EXPECT_EQ(image.path.filename(), "<buffer 0>");
+}
+
+TEST(ImportGltfContainer, ADataUriMayBeLongerThanItsBufferButNotShorter)
+{
+    const TempFolder folder;
+    const auto with = [&](const std::string& base64) {
+        return folder.write("data.gltf", R"({"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "buffers": [{"byteLength": 36,
+            "uri": "data:application/octet-stream;base64,)" +
+                                             base64 + R"("}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}], "accessors": [{"bufferView": 0, "componentType": 5126,
+            "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}]})");
+    };
+    const std::string whole = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
+    for (const char* more : {"", "AAAAAAA=", "AA==", "\\n"}) {
+        EXPECT_EQ(error_of(with(whole + more), {.strict = true}), "") << more;
+        EXPECT_EQ(cages(load(with(whole + more))).at(0)->positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+    }
+    for (const auto& [text, bytes] :
+         {std::pair(whole.substr(0, 47) + "=", "35"), std::pair(whole.substr(0, 46) + "==", "34"),
+          std::pair(" " + whole, "0"), std::pair(std::string(), "0")}) {
+        const std::string error = error_of(with(text));
+        EXPECT_NE(error.find("the data URI of the buffer has " + std::string(bytes) + " bytes, and byteLength is 36: data:"),
+                  std::string::npos)
+            << error;
+        EXPECT_NE(error.find("(buffers[0])"), std::string::npos) << error;
+    }
+}
+
 }  // namespace
 }  // namespace occam::test
