@@ -1,6 +1,7 @@
 #include "io/import/gltf_door.h"
 
 #include <charconv>
+#include <limits>
 #include <memory>
 #include <set>
 #include <string_view>
@@ -114,6 +115,21 @@ void warn_of_empty_extras(const json& root, Report& report)
         }
 }
 
+// tinygltf cuts whole numbers of extensions and extras to 32 bits. Those that have more are written with a point.
+void keep_large_integers(json& value, bool is_in_extension)
+{
+    if (value.is_object()) {
+        for (const auto& entry : value.items())
+            keep_large_integers(entry.value(), is_in_extension || entry.key() == "extensions" || entry.key() == "extras");
+    } else if (value.is_array()) {
+        for (json& element : value) keep_large_integers(element, is_in_extension);
+    } else if (is_in_extension && value.is_number_integer()) {
+        using Int = std::numeric_limits<int>;
+        const auto number = value.get<double>();
+        if (number < Int::min() || number > Int::max()) value = number;
+    }
+}
+
 std::unique_ptr<JsonDocument> parse(std::string_view text, const Report& report)
 {
     try {
@@ -156,6 +172,7 @@ CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
                         element("buffers", b));
         }
     }
+    keep_large_integers(root, false);
     join_buffers(root, report.folder());
     CheckedGltf checked;
     checked.buffers = take_sources(root);

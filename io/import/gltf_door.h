@@ -14,7 +14,8 @@ namespace occam::import {
 
 /// Holds a document that has passed validation.
 struct CheckedGltf {
-    /// The document as tinygltf reads it rightly: with names of ours for the buffers, of which each file has one.
+    /// The document as tinygltf reads it rightly: with names of ours for the buffers, of which each file has one, and
+    /// without whole numbers that it would cut to 32 bits.
     std::string json;
     std::map<std::string, BufferSource> buffers;  ///< by these names
 };
