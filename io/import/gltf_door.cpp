@@ -130,6 +130,24 @@ void keep_large_integers(json& value, bool is_in_extension)
     }
 }
 
+// tinygltf refuses indices without a buffer view, though those of a sparse accessor need none (glTF 2.0, sec. 3.6.2.3). It
+// reads such attributes.
+void rename_indices_without_view(json& root)
+{
+    const auto meshes = root.find("meshes");
+    if (meshes == root.end()) return;
+    for (json& mesh : *meshes)
+        for (json& primitive : mesh["primitives"]) {
+            json& attributes = primitive["attributes"];
+            attributes.erase(kIndicesAttribute);
+            const auto indices = primitive.find("indices");
+            if (indices == primitive.end()) continue;
+            if (list(root, "accessors")[indices->get<std::size_t>()].contains("bufferView")) continue;
+            attributes[kIndicesAttribute] = *indices;
+            primitive.erase(indices);
+        }
+}
+
 std::unique_ptr<JsonDocument> parse(std::string_view text, const Report& report)
 {
     try {
@@ -173,6 +191,7 @@ CheckedGltf check_gltf(std::string_view json_text, bool is_glb, Report& report)
         }
     }
     keep_large_integers(root, false);
+    rename_indices_without_view(root);
     join_buffers(root, report.folder());
     CheckedGltf checked;
     checked.buffers = take_sources(root);

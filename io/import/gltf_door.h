@@ -12,10 +12,13 @@
 
 namespace occam::import {
 
+/// The attribute that stands for the indices of a primitive where tinygltf would refuse them.
+inline constexpr const char* kIndicesAttribute = "<indices>";
+
 /// Holds a document that has passed validation.
 struct CheckedGltf {
-    /// The document as tinygltf reads it rightly: with names of ours for the buffers, of which each file has one, and
-    /// without whole numbers that it would cut to 32 bits.
+    /// The document as tinygltf reads it rightly: with names of ours for the buffers, of which each file has one, without
+    /// whole numbers that it would cut to 32 bits, and with kIndicesAttribute.
     std::string json;
     std::map<std::string, BufferSource> buffers;  ///< by these names
 };

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/import/file_colors.h"
+#include "io/import/gltf_door.h"
 #include "io/import/gltf_value.h"
 #include "io/import/polygons.h"
 #include "io/import/same_triangles.h"
@@ -250,9 +251,10 @@ std::vector<std::uint32_t> MeshImporter::triangles(const tinygltf::Primitive& pr
                                                    const std::string& where)
 {
     std::vector<std::uint32_t> list;
-    if (primitive.indices >= 0) {
-        list = accessors_.indices(primitive.indices);
-        const int type = accessors_.at(primitive.indices).componentType;
+    const int indices = primitive.indices >= 0 ? primitive.indices : attribute(primitive, kIndicesAttribute);
+    if (indices >= 0) {
+        list = accessors_.indices(indices);
+        const int type = accessors_.at(indices).componentType;
         const std::uint32_t restart = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE    ? 0xff
                                       : type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? 0xffff
                                                                                        : 0xffffffff;

@@ -202,5 +202,30 @@ TEST(ImportGltfGeometry, ElementsThatAnAccessorLeavesOutAreZero)
     EXPECT_EQ(list[1]->colors, std::vector<Vec4f>(4, Vec4f(0)));
 }
 
+TEST(ImportGltfGeometry, IndicesMayBeSparseAndNothingElse)
+{
+    const TempFolder folder;
+    Gltf g = square();
+    g.put<std::uint8_t>({1, 2, 4, 5});
+    g.put<std::uint16_t>({1, 2, 2, 3});
+    g.accessor(R"({"componentType": 5123, "count": 6, "type": "SCALAR", "sparse": {"count": 4,
+        "indices": {"bufferView": 2, "componentType": 5121}, "values": {"bufferView": 3}}})");
+    g.meshes = R"({"primitives": [{"attributes": {"POSITION": 0}, "indices": 2}]})";
+    const auto file = g.write(folder);
+    EXPECT_EQ(error_of(file, {.strict = true}), "");
+    EXPECT_EQ(cages(load(file)).at(0)->face_vertices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
+
+    // All of these are 0.
+    g.accessor(R"({"componentType": 5123, "count": 6, "type": "SCALAR"})");
+    g.meshes = R"({"primitives": [{"attributes": {"POSITION": 0, "<indices>": 2}, "indices": 3}]})";
+    const Scene scene = load(g.write(folder));
+    EXPECT_TRUE(cages(scene).at(0)->face_vertices.empty());
+    EXPECT_FALSE(scene.warnings.empty());
+
+    g.meshes = R"({"primitives": [{"attributes": {"POSITION": 0, "<indices>": 2}}]})";
+    EXPECT_EQ(cages(load(g.write(folder))).at(0)->face_vertices, (std::vector<std::uint32_t>{0, 1, 2}))
+        << "an attribute of that name is none of ours";
+}
+
 }  // namespace
 }  // namespace occam::test
