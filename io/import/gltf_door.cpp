@@ -1,5 +1,6 @@
 #include "io/import/gltf_door.h"
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
 #include <memory>
@@ -94,24 +95,33 @@ void check_extensions(const json& root, Report& report)
 }
 
 // tinygltf leaves out null, {} and [], so such a value would be ignored in silence. Hidden from nothing is the default.
+void warn_of_empty_values(const json& object, const std::string& where, Report& report)
+{
+    const auto is_empty = [](const json& value) {
+        return value.empty() || (value.is_string() && value.get_ref<const std::string&>().empty());
+    };
+    for (const auto& entry : object.items()) {
+        const json& value = entry.value();
+        if (is_empty(value) && entry.key() != "hidden_from")
+            report.warn("'" + entry.key().substr(0, kMaxShownName) + "' is empty, and is not read", where);
+        else if (value.is_object()) warn_of_empty_values(value, where + "." + entry.key().substr(0, kMaxShownName), report);
+        else if (value.is_array() && std::any_of(value.begin(), value.end(), [](const json& one) { return one.empty(); }))
+            report.warn("'" + entry.key().substr(0, kMaxShownName) + "' has an empty element, which is not read", where);
+    }
+}
+
 void warn_of_empty_extras(const json& root, Report& report)
 {
     const auto find = [](const json& object, const char* key) -> const json* {
         const auto found = object.is_object() ? object.find(key) : object.end();
         return found == object.end() ? nullptr : &*found;
     };
-    const auto is_empty = [](const json& value) {
-        return value.empty() || (value.is_string() && value.get_ref<const std::string&>().empty());
-    };
     for (const char* kind : {"nodes", "meshes", "materials", "scenes"})
         for (std::size_t i = 0; i < list(root, kind).size(); ++i) {
             const json* const extras = find(list(root, kind)[i], "extras");
             const json* const occam = extras ? find(*extras, "occam") : nullptr;
             if (occam && occam->empty()) report.warn("'occam' is empty, and is not read", element(kind, i) + ".extras");
-            if (!occam || !occam->is_object()) continue;
-            for (const auto& entry : occam->items())
-                if (is_empty(entry.value()) && entry.key() != "hidden_from")
-                    report.warn("'" + entry.key() + "' is empty, and is not read", element(kind, i) + ".extras.occam");
+            if (occam && occam->is_object()) warn_of_empty_values(*occam, element(kind, i) + ".extras.occam", report);
         }
 }
 

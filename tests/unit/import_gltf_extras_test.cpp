@@ -176,6 +176,14 @@ TEST(ImportGltf, EmptyExtrasAreWarnings)
                                         "'lit_by' is empty, and is not read (nodes[1].extras.occam)",
                                         "'occam' is empty, and is not read (nodes[2].extras)",
                                         "'environment' is empty, and is not read (scenes[0].extras.occam)"}));
+    g.nodes = R"({"extras": {"occam": {"area_light": {"shape": "rect", "size": [], "radiance": null}}}},
+        {"extras": {"occam": {"area_light": {"radiance": [1, 2, null, 3]}}}})";
+    g.more.clear();
+    EXPECT_EQ(
+        load(g.write(folder)).warnings,
+        (std::vector<std::string>{"'radiance' is empty, and is not read (nodes[0].extras.occam.area_light)",
+                                  "'size' is empty, and is not read (nodes[0].extras.occam.area_light)",
+                                  "'radiance' has an empty element, which is not read (nodes[1].extras.occam.area_light)"}));
 }
 
 // A node that overrides the materials of a cage takes them from no other node that shows the file.
