@@ -3,9 +3,9 @@
 // The base of a skin is the lowest node above all its joints. Moving the base, or a node above it, moves a character as a
 // whole and leaves its pose as it is. The nodes between the joints and the base know the skin, so an edit that moves a joint
 // finds the nodes that use the skin in O(depth). Where a node is hung elsewhere or removed, these links are out of date, and
-// the next refit finds them again. Nodes that a skin no longer depends on still know it, which costs their edits some marks.
-// Joints that were removed do not count: their vertices stay where they are in the axes of the base. A skin without any
-// joint deforms nothing, and the places of the nodes that wear it count.
+// the next refit finds them again. A node that a skin no longer depends on still knows it, so an edit of that node marks the
+// skin and its users for no reason. Joints that were removed do not count: their vertices stay where they are in the axes of
+// the base. A skin without any joint deforms nothing, and the places of the nodes that wear it count.
 #include <algorithm>
 #include <unordered_map>
 #include <unordered_set>

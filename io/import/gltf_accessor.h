@@ -13,8 +13,9 @@
 
 namespace occam::import {
 
-/// The elements of an accessor that are wanted, in rising order and within its count; none: all of them. The time and memory
-/// that these take do not depend on the count, since many primitives may each use a few of the same accessor.
+/// The numbers of the elements of an accessor that are wanted. They rise, and are below its count. Without a list all
+/// elements are wanted. The time and memory that a list takes do not depend on the count, since many primitives may each use
+/// a few elements of one accessor.
 using ChosenElements = std::optional<std::vector<std::uint32_t>>;
 
 /// Reads the accessors of one file, be they sparse, interleaved, normalised or quantised (glTF 2.0, sec. 3.6.2). Throws

@@ -11,7 +11,7 @@ constexpr auto kExtensions = std::to_array<Extension>({
     {"EXT_mesh_gpu_instancing",
      "one instance for each `TRANSLATION`, `ROTATION` and `SCALE`; at most 1,048,576 in a file; equal ones of a node are "
      "one, and more than 16,384 that a ray would meet on average are refused"},
-    {"EXT_texture_webp", "the WebP image is taken before the other one"},
+    {"EXT_texture_webp", "the WebP image is taken instead of the other one, even if its file is missing"},
     {"FB_ngon_encoding", "triangles that were one polygon are one face again where the mesh is subdivided"},
     {"KHR_lights_punctual", "directional, point and spot lights"},
     {"KHR_materials_anisotropy", "a GGX lobe of two widths, turned by factor and texture"},

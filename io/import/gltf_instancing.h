@@ -15,15 +15,16 @@ inline constexpr std::size_t kMaxInstances = std::size_t(1) << 20;
 std::vector<Trs> instance_places(const tinygltf::Node& node, AccessorReader& accessors, std::size_t left, Report& report,
                                  const std::string& where);
 
-/// The largest number of instances of a node whose boxes a line through all of them may meet on average.
+/// The limit to overlap_of(): a ray has to look at all instances whose boxes it passes.
 inline constexpr double kMostOverlap = 16384;
 
 /// Removes all places but the first of those that are equal, since their instances cannot be told apart, and returns how
 /// many it has removed.
 std::size_t remove_equal(std::vector<Trs>& places);
 
-/// Returns the number of instances whose boxes a line meets that meets any of them, on average over all lines: the areas of
-/// the boxes over the area of the box that holds them all.
+/// Places the shape many times, and returns through how many of the boxes of these instances a line passes on average. It
+/// counts all lines through the box that holds them all. The average is the sum of the areas of the boxes, divided by the
+/// area of that one.
 /// shape   the box of the mesh, in its own axes
 double overlap_of(const std::vector<Trs>& places, const Box3d& shape);
 

@@ -8,7 +8,7 @@
 
 namespace occam::import {
 
-/// Counts these nodes.
+/// Counts the nodes between the joints of skins, what wears them and the root.
 class SkinPaths {
 public:
     SkinPaths(const Scene& scene, const Report& report) : scene_(scene), report_(report) {}
