@@ -84,8 +84,8 @@ public:
     Sequence(const AnimateArguments& arguments, Scene& scene, Renderer& renderer)
         : arguments_(arguments),
           write_(arguments.write),
-          stamp_(scene_stamp(scene, arguments, renderer)),
-          framing_(scene, arguments)
+          framing_(scene, arguments),
+          stamp_(scene_stamp(scene, arguments, renderer))
     {
         framing_.fit_clip();
         const bool needs_exposure = !write_.exposure_ev && Image::is_for_display(arguments.output);
@@ -166,8 +166,8 @@ private:
     const AnimateArguments& arguments_;
     WriteOptions write_;
     bool is_exposure_measured_ = false;
-    std::uint64_t stamp_;
     Framing framing_;
+    std::uint64_t stamp_;  ///< of the scene as it is framed
     std::optional<bool> default_light_;
     std::optional<float> clamp_;
     std::set<int> made_again_;

@@ -91,7 +91,7 @@ std::uint64_t scene_stamp(Scene& scene, const RenderArguments& a, Renderer& rend
     print.add(bounds.lo.x, bounds.lo.y, bounds.lo.z, bounds.hi.x, bounds.hi.y, bounds.hi.z);
     print.add(static_cast<int>(a.load.subdivide), a.load.variant, a.has_environment, a.environment_strength,
               a.environment_rotation_deg);
-    return print.value() ^ renderer.halvings(scene);  // where nothing is halved, it is the number of earlier versions
+    return print.value() ^ renderer.halvings(scene);
 }
 
 std::string recipe_note(std::uint64_t scene_stamp, const Recipe& recipe)

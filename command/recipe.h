@@ -17,6 +17,8 @@ namespace occam::command {
 
 /// Returns the part of the number that all pictures of one scene share. Reads the files once more. Where images are
 /// halved to fit the memory for textures, that belongs to it.
+/// scene   the scene that is rendered, not yet posed: with the environment that Framing gives it, whose image takes its part
+///         of that memory
 std::uint64_t scene_stamp(Scene& scene, const RenderArguments& arguments, Renderer& renderer);
 
 /// Holds what a picture is made with, besides the scene.

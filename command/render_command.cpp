@@ -197,8 +197,8 @@ int run_frame(const RenderArguments& a, ProgressDisplay& display)
 
     const auto edit_start = Clock::now();
     Renderer renderer(a.resources);
-    const std::uint64_t stamp = scene_stamp(scene, a, renderer);
     Framing framing(scene, a);
+    const std::uint64_t stamp = scene_stamp(scene, a, renderer);
     if (a.frame || a.time || !a.clip.empty()) framing.fit_clip();  // the camera is that of a sequence
     framing.pose();
     const Camera camera = framing.open_shutter(framing.camera());
