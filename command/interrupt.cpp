@@ -68,6 +68,8 @@ void catch_interrupts() noexcept
 }
 
 bool is_interrupted() noexcept { return interrupted_at.load() != 0; }
+void outlive_readers() noexcept { std::signal(SIGPIPE, SIG_IGN); }
+
 
 void end_interrupted() noexcept
 {

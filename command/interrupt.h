@@ -13,6 +13,8 @@ inline constexpr int kInterruptedExit = 130;
 /// Installs the handlers of SIGINT, SIGTERM and SIGHUP. SIGHUP stays ignored in a process that was started so, as by nohup.
 void catch_interrupts() noexcept;
 /// Returns true if a signal was noted.
+/// From now on, whoever reads what the process prints may go away: what is printed then is lost, and the process lives.
+void outlive_readers() noexcept;
 bool is_interrupted() noexcept;
 /// Ends the process now, without waiting for threads.
 [[noreturn]] void end_interrupted() noexcept;

@@ -12,7 +12,6 @@
 #include <string_view>
 
 #include "base/printable.h"
-#include "interrupt.h"
 
 namespace occam::command {
 namespace {
@@ -20,7 +19,8 @@ namespace {
 constexpr int kBarWidth = 32;
 
 // Prints text. A reader that takes none holds up the command, as he may, but not once a signal was noted: what he does not
-// take is then left out, since there may be a picture to write.
+// take is then left out, since there may be a picture to write. A reader who has gone away misses the text, which is no
+// error of the stream: standard output is complete without it.
 void put(std::FILE* to, const std::string& text)
 {
     constexpr int kPatienceMs = 20;
@@ -30,8 +30,8 @@ void put(std::FILE* to, const std::string& text)
         if (ready < 0 && errno == EINTR) ready = 0;
         if (ready == 0 && is_interrupted()) return;
     }
-    std::fputs(text.c_str(), to);
-    std::fflush(to);
+    const bool is_put = std::fputs(text.c_str(), to) >= 0 && std::fflush(to) == 0;
+    if (!is_put && errno == EPIPE) std::clearerr(to);
 }
 
 // Returns true if the terminal moves its cursor when it is told to. One that is named `dumb` does not.

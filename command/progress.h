@@ -1,5 +1,5 @@
 // Display of a frame's progress, in the requested style. A reader who takes no lines holds up the command until a signal is
-// noted.
+// noted; one who has gone away does not.
 #pragma once
 
 #include <chrono>
@@ -7,6 +7,7 @@
 #include <string>
 
 #include "arguments.h"
+#include "interrupt.h"
 
 namespace occam::command {
 
@@ -44,9 +45,11 @@ private:
 };
 
 /// Does the work of a command, which may be interrupted, with a display of its progress. If it throws, the display says why.
+/// What is made is in files, so it is made also when nobody reads the progress any more.
 template <class Arguments>
 int run_with_display(const Arguments& a, int (*work)(const Arguments&, ProgressDisplay&))
 {
+    if (!a.replay) outlive_readers();
     ProgressDisplay display(a.progress, a.quiet);
     try {
         return work(a, display);

@@ -3,6 +3,7 @@
 #include <pty.h>
 #include <sys/ioctl.h>
 
+#include <csignal>
 #include <sstream>
 
 #include "tests/support/command_test.h"
@@ -72,6 +73,45 @@ TEST_F(CommandProgress, ARenderFarmLearnsWhyAPictureWasNotMade)
         ASSERT_NE(at, std::string::npos) << o.out;
         EXPECT_EQ("occam: " + o.out.substr(at + 13), o.err);
     }
+}
+
+// Of a pipeline such as `| head -1`, whose last part has ended. What is made is in files.
+TEST_F(CommandProgress, AReaderWhoHasGoneAwayLosesNoPicture)
+{
+    int ends[2] = {};
+    ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+    close(ends[0]);
+    const auto outcome = [&](int stream, std::vector<std::string> words, const std::vector<std::string>& more) {
+        before_exec = [&] {
+            dup2(ends[1], stream);
+            signal(SIGPIPE, SIG_DFL);
+        };
+        words.insert(words.end(), more.begin(), more.end());
+        return run(words);
+    };
+    const std::vector<std::string> small{"--size", "8x4", "--spp", "1"};
+    for (const auto& [style, stream] : {std::pair("openjd", STDOUT_FILENO), {"plain", STDERR_FILENO}}) {
+        const std::vector<std::string> calls[] = {
+            {"render", "triangle.obj", "-o", "a.0.png", "--progress", style},
+            {"render", "triangle.obj", "-o", "a.0.png", "--progress", style, "--checkpoint", "on"},
+            {"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0-1", "--progress", style}};
+        for (const auto& words : calls) {
+            fs::remove(folder / "a.0.png");
+            EXPECT_EQ(outcome(stream, words, small).exit_code, kDone) << words[0] << ' ' << style;
+            EXPECT_TRUE(fs::exists(folder / "a.0.png")) << words[0] << ' ' << style;
+        }
+        EXPECT_TRUE(fs::exists(folder / "a.1.png"));
+        fs::remove(folder / "a.1.png");
+    }
+    fs::remove(folder / "a.0.png");
+    const Outcome stats = outcome(STDOUT_FILENO, {"render", "triangle.obj", "-o", "a.0.png", "--stats", "-"}, small);
+    EXPECT_EQ(stats.exit_code, kOutput);
+    EXPECT_EQ(stats.err, "occam: standard output: cannot be written: Broken pipe\n");
+    EXPECT_TRUE(fs::exists(folder / "a.0.png"));
+    constexpr int kSignal = -1;  // what only prints ends as others do
+    EXPECT_EQ(outcome(STDOUT_FILENO, {"render", "triangle.obj", "--replay", "2,2"}, small).exit_code, kSignal);
+    EXPECT_EQ(outcome(STDOUT_FILENO, {"info", "triangle.obj"}, {}).exit_code, kSignal);
+    close(ends[1]);
 }
 
 TEST_F(CommandProgress, ANameWithALineEndMakesNoLineOfItsOwn)
