@@ -31,7 +31,9 @@ Json json_of(const Camera& camera)
     Json columns = Json::array();
     for (int c = 0; c < 4; ++c)
         for (int r = 0; r < 3; ++r) columns.push_back(camera.world_from_camera[c][r]);
-    return {{"fov", camera.lens.fov}, {"orthographic", camera.lens.orthographic}, {"right_up_back_eye", columns}};
+    const auto& [fov, aspect, orthographic, height, radius, focus, blades] = camera.lens;  // all: a recipe is made of them
+    return {{"fov", fov},     {"aspect", aspect}, {"orthographic", orthographic}, {"height", height}, {"radius", radius},
+            {"focus", focus}, {"blades", blades}, {"right_up_back_eye", columns}};
 }
 
 Json json_of(const Settings& s)

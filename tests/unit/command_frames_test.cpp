@@ -195,5 +195,29 @@ TEST_F(MadeFrames, OfASceneWhoseFilesHaveChangedAreRefused)
     EXPECT_EQ(run(words("a.#.exr", "0-1")).exit_code, kBadInput) << "another buffer";
 }
 
+// The triangle, and two cameras in one place whose pixels differ in size.
+constexpr const char* kTwoSizes = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+"nodes": [{"mesh": 0}, {"name": "A", "camera": 0, "translation": [0, 0, 5]},
+{"name": "B", "camera": 1, "translation": [0, 0, 5]}],
+"cameras": [{"type": "orthographic", "orthographic": {"xmag": 2, "ymag": 2, "znear": 0.1, "zfar": 9}},
+{"type": "orthographic", "orthographic": {"xmag": 200, "ymag": 200, "znear": 0.1, "zfar": 9}}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+"buffers": [{"uri": "flight.bin", "byteLength": 68}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]}]})";
+
+TEST_F(MadeFrames, WithTheDetailOfAnotherCameraAreRefused)
+{
+    std::ofstream(folder / "sizes.gltf") << kTwoSizes;
+    const auto outcome = [&](const char* camera) {
+        return run({"animate", "sizes.gltf", "-o", "a.#.exr", "--frames", "0", "--size", "16x12", "--spp", "1", "--camera",
+                    "A", "--lod-camera", camera, "--stats", "-"});
+    };
+    const Outcome first = outcome("A");
+    ASSERT_EQ(first.exit_code, kDone) << first.err;
+    EXPECT_NE(first.out.find("\"height\": 4.0"), std::string::npos) << first.out;
+    EXPECT_EQ(outcome("B").exit_code, kBadInput);
+    EXPECT_EQ(outcome("A").exit_code, kDone);
+}
+
 }  // namespace
 }  // namespace occam

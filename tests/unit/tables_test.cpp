@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include "io/extensions.h"
@@ -27,6 +28,23 @@ std::string quoted(std::string_view extensions)
     std::string text = "`";
     for (const char c : extensions) text += c == ' ' ? std::string("`, `") : std::string(1, c);
     return text + '`';
+}
+
+// A frame of a sequence is known by this text.
+TEST(Tables, TheStatisticsTellAllCamerasOfTheLevelOfDetailApart)
+{
+    std::vector<Camera> cameras(9);
+    cameras[1].lens.fov = 0.5f;
+    cameras[2].lens.aspect = 1.5f;
+    cameras[3].lens.orthographic = true;
+    cameras[4].lens.height = 200;
+    cameras[5].lens.radius = 0.1f;
+    cameras[6].lens.focus = 3;
+    cameras[7].lens.blades = 6;
+    cameras[8].world_from_camera[3].z = 5;
+    std::set<std::string> texts{render::to_json(Settings())};
+    for (const Camera& camera : cameras) texts.insert(render::to_json(Settings{.lod_camera = camera}));
+    EXPECT_EQ(texts.size(), cameras.size() + 1);
 }
 
 TEST(Tables, EverySettingIsInTheStatisticsAndInTheDocumentation)
