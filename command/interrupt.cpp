@@ -55,10 +55,11 @@ void catch_interrupts() noexcept
     action.sa_handler = note_interrupt;
     sigemptyset(&action.sa_mask);
     action.sa_flags = SA_RESTART;
-    for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
-    struct sigaction of_caller = {};
-    sigaction(SIGHUP, nullptr, &of_caller);
-    if (of_caller.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr);
+    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction of_caller = {};
+        sigaction(signal, nullptr, &of_caller);
+        if (of_caller.sa_handler != SIG_IGN) sigaction(signal, &action, nullptr);
+    }
     action.sa_handler = end_at_alarm;
     sigaction(SIGALRM, &action, nullptr);
     sigset_t alarm_alone;  // a process may be started with signals blocked
@@ -67,9 +68,9 @@ void catch_interrupts() noexcept
     pthread_sigmask(SIG_UNBLOCK, &alarm_alone, nullptr);
 }
 
-bool is_interrupted() noexcept { return interrupted_at.load() != 0; }
 void outlive_readers() noexcept { std::signal(SIGPIPE, SIG_IGN); }
 
+bool is_interrupted() noexcept { return interrupted_at.load() != 0; }
 
 void end_interrupted() noexcept
 {

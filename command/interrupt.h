@@ -10,11 +10,12 @@ namespace occam::command {
 
 inline constexpr int kInterruptedExit = 130;
 
-/// Installs the handlers of SIGINT, SIGTERM and SIGHUP. SIGHUP stays ignored in a process that was started so, as by nohup.
+/// Installs the handlers of SIGINT, SIGTERM and SIGHUP. Those that the process was started to ignore stay ignored: nohup
+/// does that with SIGHUP, and a shell with SIGINT for what a script runs in the background.
 void catch_interrupts() noexcept;
-/// Returns true if a signal was noted.
 /// From now on, whoever reads what the process prints may go away: what is printed then is lost, and the process lives.
 void outlive_readers() noexcept;
+/// Returns true if a signal was noted.
 bool is_interrupted() noexcept;
 /// Ends the process now, without waiting for threads.
 [[noreturn]] void end_interrupted() noexcept;

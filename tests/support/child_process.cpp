@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -31,6 +32,11 @@ namespace {
 
 const char* occam_executable() { return OCCAM_EXECUTABLE; }
 const char* failing_executable() { return OCCAM_FAILING_EXECUTABLE; }
+
+void end_by_signals() noexcept
+{
+    for (const int number : {SIGHUP, SIGINT, SIGTERM}) std::signal(number, SIG_DFL);
+}
 
 ChildOutcome run_occam(const std::vector<std::string>& arguments, unsigned limit_s)
 {

@@ -54,6 +54,7 @@ protected:
         argv.push_back(nullptr);
         if (chdir(folder.c_str()) != 0 || !freopen("stdout.txt", "w", stdout) || !freopen("stderr.txt", "w", stderr))
             _exit(99);
+        end_by_signals();
         if (before_exec) before_exec();
         execv(executable, argv.data());
         _exit(98);

@@ -9,6 +9,8 @@
 #include <csignal>
 #include <thread>
 
+#include "tests/support/child_process.h"
+
 namespace occam::command {
 namespace {
 
@@ -19,6 +21,7 @@ int exit_after_two(std::chrono::milliseconds apart)
 {
     const pid_t child = fork();
     if (child == 0) {
+        test::end_by_signals();
         catch_interrupts();
         const HeldInterrupts held;
         const auto start = std::chrono::steady_clock::now();

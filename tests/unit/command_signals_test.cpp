@@ -112,24 +112,29 @@ TEST_F(Signals, EndARenderWhoseStatisticsNobodyReads)
     EXPECT_EQ(names_in_folder(), (std::vector<std::string>{"a.png", "s.fifo", "stderr.txt", "stdout.txt", "triangle.obj"}));
 }
 
-TEST_F(Signals, OfATerminalThatIsGoneEndARenderUnlessItWasStartedToIgnoreThem)
+// A shell starts what a script runs in the background so that it ignores SIGINT, and nohup does that with SIGHUP.
+TEST_F(Signals, EndARenderUnlessItWasStartedToIgnoreThem)
 {
-    for (const bool is_ignored : {false, true}) {
-        fs::remove(folder / "a.png");
-        fs::remove(folder / "stderr.txt");
-        before_exec = [&] { signal(SIGHUP, is_ignored ? SIG_IGN : SIG_DFL); };
-        const pid_t child = start(long_picture({"--progress", "plain"}));
-        wait_for_tiles();
-        kill(child, SIGHUP);
-        if (is_ignored) {
-            std::this_thread::sleep_for(50ms);
-            EXPECT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "the process goes on";
-            kill(child, SIGTERM);
+    constexpr int kAll[] = {SIGHUP, SIGINT, SIGTERM};
+    for (const int number : kAll)
+        for (const bool is_ignored : {false, true}) {
+            fs::remove(folder / "a.png");
+            fs::remove(folder / "stderr.txt");
+            before_exec = [&] { signal(number, is_ignored ? SIG_IGN : SIG_DFL); };
+            const pid_t child = start(long_picture({"--progress", "plain"}));
+            wait_for_tiles();
+            kill(child, number);
+            if (is_ignored) {
+                std::this_thread::sleep_for(50ms);
+                EXPECT_EQ(waitpid(child, nullptr, WNOHANG), 0) << "the process goes on";
+                EXPECT_EQ(text_of(folder / "stderr.txt").find("stopping"), std::string::npos) << number;
+                for (const int other : kAll)
+                    if (other != number) kill(child, other);
+            }
+            EXPECT_EQ(finish_or_kill(child).exit_code, kInterrupted) << number;
+            EXPECT_TRUE(fs::exists(folder / "a.png"));
+            EXPECT_EQ(names_in_folder(), (std::vector<std::string>{"a.png", "stderr.txt", "stdout.txt", "triangle.obj"}));
         }
-        EXPECT_EQ(finish_or_kill(child).exit_code, kInterrupted);
-        EXPECT_TRUE(fs::exists(folder / "a.png"));
-        EXPECT_EQ(names_in_folder(), (std::vector<std::string>{"a.png", "stderr.txt", "stdout.txt", "triangle.obj"}));
-    }
 }
 
 TEST_F(Signals, EndAFinishedRenderWhoseStatisticsNobodyReads)
@@ -173,6 +178,7 @@ pid_t process_of(const std::function<void()>& act)
 {
     const pid_t child = fork();
     if (child == 0) {
+        end_by_signals();
         command::catch_interrupts();
         act();
         _exit(kDone);
