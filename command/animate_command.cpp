@@ -265,11 +265,25 @@ void make_frames(SequenceParts parts, const std::vector<int>& missing, std::size
     }
 }
 
+// Ends a part of a sequence that has fewer frames than parts. The scene is not read, which may take long.
+void end_part_without_frames(const AnimateArguments& a, ProgressDisplay& display)
+{
+    check_inputs(a);
+    display.announce("part " + std::to_string(a.shard.index) + " of " + std::to_string(a.shard.count) +
+                     " of the sequence has no frames: nothing to do");
+    HeldInterrupts held;
+    write_stats(a, held, [] { return SequenceStats().text(); });
+}
+
 int run_sequence(const AnimateArguments& a, ProgressDisplay& display)
 {
     const std::vector<int> frames = a.shard.of(a.frames);
     check_outputs(a, files_of(a.pattern, frames), files_of(a.pattern, a.frames));
     say_part(a);
+    if (frames.empty()) {
+        end_part_without_frames(a, display);
+        return 0;
+    }
 
     display.say("reading " + name_of_scene(a));
     const auto load_start = Clock::now();

@@ -45,11 +45,9 @@ std::vector<ClipId> choose_clips(const Scene& scene, const RenderArguments& a)
 }
 
 // What is no regular file, such as a pipe, would be read for ever.
-void require_environment(const RenderArguments& a)
+void require_readable(const std::filesystem::path& file, const std::string& option = {})
 {
-    if (a.environment.empty()) return;
-    if (const std::string why = why_unreadable(a.environment); !why.empty())
-        throw Error(a.environment.string(), why, "--environment");
+    if (const std::string why = why_unreadable(file); !why.empty()) throw Error(file.string(), why, option);
 }
 
 // Returns whether the scene has an environment then, whatever its factor is.
@@ -57,7 +55,7 @@ bool set_environment(Scene& scene, const RenderArguments& a)
 {
     if (!a.has_environment) scene.environment = {};
     if (!a.environment.empty()) {
-        require_environment(a);
+        require_readable(a.environment, "--environment");
         Texture image;
         image.name = a.environment.string();
         image.path = a.environment;
@@ -76,7 +74,7 @@ void require_older_statistics(const std::filesystem::path& file)
 {
     std::error_code error;
     if (is_written_directly(file) || !std::filesystem::is_regular_file(file, error)) return;
-    if (const std::string why = why_unreadable(file); !why.empty()) throw Error(file.string(), why, "--stats");
+    require_readable(file, "--stats");
     constexpr std::string_view kOfFrame = R"({"scene":{)", kOfSequence = R"([{"frame":)";
     std::ifstream stream(file, std::ios::binary);
     std::string head;  // without blanks
@@ -89,7 +87,7 @@ void require_older_statistics(const std::filesystem::path& file)
 /// Throws Error if the statistics would be written over one of these files of pictures, which are in one folder.
 void refuse_statistics_among(std::span<const std::filesystem::path> pictures, const RenderArguments& a)
 {
-    if (a.stats.empty() || pictures.empty()) return;
+    if (a.stats.empty()) return;
     const auto place_of = [](const std::filesystem::path& file) {
         std::error_code error;
         const std::filesystem::path place = std::filesystem::weakly_canonical(file, error);
@@ -324,11 +322,10 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
     std::vector<std::filesystem::path> outputs(pictures.begin(), pictures.end());
     if (!a.stats.empty()) outputs.push_back(a.stats);
     remove_unfinished(outputs);
-    if (!pictures.empty()) {
-        const bool needs_codec = render::required_picture_format(pictures.front()).needs_codec;
-        check_folder(pictures.front());
-        if (needs_codec) check_picture_codec();
-    }
+    const std::filesystem::path& any = pictures.empty() ? all.front() : pictures.front();
+    const bool needs_codec = render::required_picture_format(any).needs_codec;
+    check_folder(any);
+    if (needs_codec) check_picture_codec();
     for (const std::filesystem::path& picture : pictures)
         if (std::error_code error;
             std::filesystem::exists(picture, error) && !std::filesystem::is_regular_file(picture, error))
@@ -345,9 +342,15 @@ void check_outputs(const RenderArguments& a, std::span<const std::filesystem::pa
     refuse_statistics_among(all, a);
 }
 
+void check_inputs(const RenderArguments& a)
+{
+    if (!a.scene.empty()) required_scene_format(a.scene);
+    if (!a.environment.empty()) require_readable(a.environment, "--environment");
+}
+
 Scene open_scene(const RenderArguments& a, std::span<const std::filesystem::path> pictures)
 {
-    require_environment(a);  // before the scene is read, which may take long
+    check_inputs(a);  // of the environment before the scene is read, which may take long
     Scene scene = open_scene(a);
     std::vector<std::filesystem::path> outputs(pictures.begin(), pictures.end());
     if (!a.stats.empty()) outputs.push_back(a.stats);

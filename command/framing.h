@@ -83,12 +83,15 @@ Ending wait_for(Job& job, ProgressDisplay& display, HeldInterrupts& held, bool k
 void write_stats(const RenderArguments& arguments, HeldInterrupts& held, const std::function<std::string()>& json);
 
 /// Checks, before minutes of work, that pictures and statistics can be written, and removes what killed runs left of
-/// these pictures. The pictures are in one folder and of one format. Throws Error. Whether the pictures that are there can
-/// be replaced is not checked, since not all of them may have to be (check_replaceable()).
-/// all   the pictures of all parts of the sequence, or the picture and its checkpoint, in one folder: over these the
-///       statistics must not be written under any name
+/// these pictures. The pictures are in one folder and of one format. Throws Error. Whether a picture that is there can be
+/// replaced is not checked, since it need not be if it is a finished frame (check_replaceable()).
+/// pictures   those of this run; none if its part of the sequence has no frames
+/// all        the pictures of all parts of the sequence, or the picture and its checkpoint, in one folder: over these the
+///            statistics must not be written under any name
 void check_outputs(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures,
                    std::span<const std::filesystem::path> all);
+/// Checks, without reading them, that the scene's file is one of a scene and that the environment can be read. Throws Error.
+void check_inputs(const RenderArguments& arguments);
 /// Opens the scene. Throws Error if it cannot be read, or if one of the outputs is a file of it.
 Scene open_scene(const RenderArguments& arguments, std::span<const std::filesystem::path> pictures);
 

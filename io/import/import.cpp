@@ -46,13 +46,6 @@ void require_file(const std::filesystem::path& file)
         throw Error(file.string(), "the file is empty");
 }
 
-const SceneFormat& required_format(const std::filesystem::path& file)
-{
-    require_file(file);
-    if (const SceneFormat* format = scene_format_of(file)) return *format;
-    throw Error(file.string(), "not a scene file that is known: " + extensions_of(scene_formats()), extension_of(file));
-}
-
 void require_variant(const Scene& scene, const std::filesystem::path& file, const std::string& name)
 {
     if (name.empty() || std::find(scene.variants.begin(), scene.variants.end(), name) != scene.variants.end()) return;
@@ -69,9 +62,16 @@ std::span<const SceneFormat> scene_formats() noexcept { return import::kFormats;
 
 const SceneFormat* scene_format_of(const std::filesystem::path& file) { return find_by_extension(scene_formats(), file); }
 
+const SceneFormat& required_scene_format(const std::filesystem::path& file)
+{
+    import::require_file(file);
+    if (const SceneFormat* format = scene_format_of(file)) return *format;
+    throw Error(file.string(), "not a scene file that is known: " + extensions_of(scene_formats()), extension_of(file));
+}
+
 Scene load(const std::filesystem::path& file, const LoadOptions& options)
 {
-    const SceneFormat& format = import::required_format(file);
+    const SceneFormat& format = required_scene_format(file);
     try {
         Scene scene = format.load(file, options);
         import::require_variant(scene, file, options.variant);

@@ -34,6 +34,8 @@ struct SceneFormat {
 std::span<const SceneFormat> scene_formats() noexcept;
 /// Returns the format that the extension of a file names, or null.
 const SceneFormat* scene_format_of(const std::filesystem::path& file);
+/// The same, for a file that is to be read. Throws Error if it is not there, is no file, is empty, or has no such extension.
+const SceneFormat& required_scene_format(const std::filesystem::path& file);
 
 /// Reads a scene; the file's extension selects the format. Throws Error with file, element and reason. What was repaired is
 /// in Scene::warnings, what was chosen in Scene::notes.
