@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <climits>
 #include <cstdio>
 #include <cstring>
 #include <map>
@@ -19,6 +20,7 @@
 
 #include "base/error.h"
 #include "base/error_without_file.h"
+#include "base/hash.h"
 #include "base/number_in.h"
 #include "io/output_place.h"
 
@@ -36,19 +38,47 @@ fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.
     throw Error(file.string(), why, {}, Error::Kind::Output);
 }
 
-// Returns the name of a temporary file. It keeps the extension, since readers choose the format by it.
+// Holds the name of an output as its temporaries have it: as it is, or shortened so that they have room for their number.
+struct HeldName {
+    std::string stem, extension;  // readers choose the format by the extension
+};
+
+HeldName held_name(const fs::path& file)
+{
+    constexpr std::size_t kLongestNumber = 16;     // of a process and an attempt
+    constexpr std::size_t kLongestExtension = 32;  // that is kept
+    constexpr std::size_t kFitsAnywhere = 128;     // so that the file system need not be asked
+    HeldName name{file.stem().string(), file.extension().string()};
+    if (name.extension.size() > kLongestExtension) name = {file.filename().string(), {}};
+    const std::size_t others = 1 + kMark.size() + kLongestNumber + name.extension.size();
+    if (name.stem.size() + others <= kFitsAnywhere) return name;
+    const long most = pathconf(folder_of(file).c_str(), _PC_NAME_MAX);
+    const std::size_t room = most > 0 ? static_cast<std::size_t>(most) : NAME_MAX;
+    if (name.stem.size() + others <= room) return name;
+    char hash[18];  // tells apart what begins alike, such as the frames of a sequence
+    std::snprintf(hash, sizeof hash, "~%016llx",
+                  static_cast<unsigned long long>(fnv1a(name.stem.data(), name.stem.size(), kFnvStart)));
+    const std::size_t taken = others + sizeof hash - 1;
+    std::size_t end = room > taken ? std::min(room - taken, name.stem.size()) : 0;
+    while (end > 0 && (name.stem[end] & 0xc0) == 0x80) --end;  // a character of UTF-8 is not cut in two
+    name.stem.resize(end);
+    name.stem += hash;
+    return name;
+}
+
 fs::path temporary_name(const fs::path& file, int attempt)
 {
+    const HeldName held = held_name(file);
     std::string name(".");
-    name += file.stem().string();
+    name += held.stem;
     name += kMark;
     name += std::to_string(getpid());
     if (attempt > 0) name.append("-").append(std::to_string(attempt));
-    name += file.extension().string();
+    name += held.extension;
     return folder_of(file) / name;
 }
 
-// Returns the name of the output that a temporary file belongs to; empty for any other file.
+// Returns the name of the output that a temporary file belongs to, as HeldName has it; empty for any other file.
 std::string output_of(const std::string& temporary)
 {
     const std::size_t mark = temporary.rfind(kMark);
@@ -134,6 +164,8 @@ bool is_standard_output(const fs::path& file) { return descriptor_of(file) == ST
 OutputFile::OutputFile(const fs::path& file) : final_(file)
 {
     constexpr int kAttempts = 1000;
+    // The temporary may have a shorter name.
+    if (struct stat there = {}; lstat(file.c_str(), &there) != 0 && errno == ENAMETOOLONG) refuse(errno);
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
         temporary_ = temporary_name(file, attempt);
         descriptor_ = open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -303,7 +335,10 @@ void refuse_inputs(std::span<const fs::path> outputs, std::span<const fs::path> 
 void remove_unfinished(std::span<const fs::path> outputs) noexcept
 try {
     std::map<fs::path, std::set<std::string>> names_of;
-    for (const fs::path& output : outputs) names_of[folder_of(output)].insert(output.filename().string());
+    for (const fs::path& output : outputs) {
+        const HeldName held = held_name(output);
+        names_of[folder_of(output)].insert(held.stem + held.extension);
+    }
     for (const auto& [folder, names] : names_of) {
         std::error_code error;
         fs::directory_iterator entry(folder, error), end;

@@ -1,10 +1,10 @@
 // A file that appears under its final name only when it is whole and on the disk.
 //
 // The bytes go to a hidden temporary beside the final name (".name.part1234.exr" for "name.exr", with the number of the
-// process). publish() flushes, checks the size and renames; whatever fails before that leaves neither the final name nor the
-// temporary. A handler of signals can remove it, too (open_temporaries.h). A process that is killed cannot: its temporaries
-// are removed by the next run with the same output. The writer holds a lock (flock) on its temporary, so the work of a
-// process that still lives is never removed.
+// process; of a long name the beginning and a hash). publish() flushes, checks the size and renames; whatever fails before
+// that leaves neither the final name nor the temporary. A handler of signals can remove it, too (open_temporaries.h). A
+// process that is killed cannot: its temporaries are removed by the next run with the same output. The writer holds a lock
+// (flock) on its temporary, so the work of a process that still lives is never removed.
 //
 // Threads   one caller at a time for each object.
 #pragma once

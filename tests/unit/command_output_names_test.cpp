@@ -46,6 +46,48 @@ TEST_F(OutputNames, WithoutALastPartLoseNoFiles)
     }
 }
 
+// The names of temporaries are longer than those of outputs, but not longer than a file system takes.
+TEST_F(OutputNames, AreAsLongAsTheFileSystemTakesThem)
+{
+    const auto render = [&](const std::string& name, const std::vector<std::string>& more) {
+        std::vector<std::string> words{"render", "triangle.obj", "-o", name, "--size", "4x4", "--spp", "1"};
+        words.insert(words.end(), more.begin(), more.end());
+        return run(words);
+    };
+    const std::string longest = std::string(251, 'a') + ".exr", too_long = "a" + longest;
+    const std::string accents = std::string(1, 'a') + [] {
+        std::string text;
+        for (int i = 0; i < 125; ++i) text += "\xc3\xa9";
+        return text;
+    }() + ".exr";
+    const std::string stats = "s." + std::string(253, 'j');
+    for (const std::string& name : {longest, accents}) {
+        const Outcome o = render(name, {"--stats", stats});
+        EXPECT_EQ(o.exit_code, kDone) << o.err;
+        EXPECT_TRUE(fs::exists(folder / name));
+        EXPECT_TRUE(fs::exists(folder / stats));
+    }
+    const Outcome refused = render(too_long, {});
+    EXPECT_EQ(refused.exit_code, kOutput);
+    EXPECT_NE(refused.err.find("cannot be written: File name too long"), std::string::npos) << refused.err;
+    // Those of killed runs are found again. Names that begin alike are told apart.
+    for (const std::string& name : {longest, accents, stats}) {
+        const fs::path file = folder / name;
+        const std::string other_name = name.substr(0, name.size() - 5) + "b" + name.substr(name.size() - 4);
+        fs::path temporary, other;
+        {
+            const OutputFile out(file), out_of_other(folder / other_name);
+            temporary = out.temporary(), other = out_of_other.temporary();
+        }
+        EXPECT_NE(temporary, other);
+        std::ofstream(temporary) << "half";
+        std::ofstream(other) << "half";
+        remove_unfinished(std::span(&file, 1));
+        EXPECT_FALSE(fs::exists(temporary)) << name;
+        EXPECT_TRUE(fs::remove(other)) << name;
+    }
+}
+
 // Files that have the name of a checkpoint need not be one.
 TEST_F(OutputNames, AFileOfSomebodyElseIsNoCheckpoint)
 {
