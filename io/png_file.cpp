@@ -7,6 +7,7 @@
 #include <csetjmp>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <utility>
 #include <vector>
@@ -145,6 +146,8 @@ struct Layout {
     std::size_t row_bytes = 0;
     int channels = 0;
     bool has_words = false, is_interlaced = false;
+
+    friend bool operator==(const Layout&, const Layout&) = default;
 };
 
 // Returns false if this is no head of a PNG. The rows that follow have whole bytes, or words with the higher byte first.
@@ -208,12 +211,18 @@ public:
     }
 
 private:
+    static constexpr int kUnknown = std::numeric_limits<int>::max();  // the session has failed, so it has to start again
+
     bool restart()
     {
+        next_ = kUnknown;
         session_.emplace(bytes_);
-        next_ = 0;
         png_set_user_limits(session_->png, kLargestSide, kLargestSide);
-        if (!begin_rows(*session_, layout_)) return fail();
+        Layout layout;
+        if (!begin_rows(*session_, layout)) return fail();
+        if (is_open_ && layout != layout_) return changed();
+        layout_ = layout;
+        next_ = 0;
         constexpr const char* kNames[4][4] = {{"Y"}, {"Y", "A"}, {"R", "G", "B"}, {"R", "G", "B", "A"}};
         spec_.width = spec_.full_width = static_cast<int>(layout_.width);
         spec_.height = spec_.full_height = static_cast<int>(layout_.height);
@@ -223,6 +232,13 @@ private:
         spec_.channels.assign(names, names + channels);
         spec_.alpha_channel = channels % 2 == 0 ? channels - 1 : -1;
         return true;
+    }
+
+    // The caller has made room for rows of the head that was read first.
+    bool changed()
+    {
+        std::strncpy(session_->why, "the file has changed while it was read", sizeof session_->why - 1);
+        return false;
     }
 
     bool fail() const
@@ -238,8 +254,10 @@ private:
         if (layout_.is_interlaced) {
             if (buffer_.empty()) {
                 std::vector<png_bytep> places(layout_.height);
+                if (next_ != 0 && !restart()) return nullptr;
                 buffer_.resize(row * places.size());
                 for (std::size_t y = 0; y < places.size(); ++y) places[y] = &buffer_[row * y];
+                next_ = kUnknown;
                 if (!decode_whole(*session_, places.data())) {
                     buffer_.clear();
                     return nullptr;
@@ -249,7 +267,8 @@ private:
         }
         if (y_begin < next_ && !restart()) return nullptr;
         buffer_.resize(row * static_cast<std::size_t>(y_end - y_begin));
-        for (; next_ < y_begin; ++next_)
+        int at = std::exchange(next_, kUnknown);
+        for (; at < y_begin; ++at)
             if (!decode_rows(*session_, buffer_.data(), row, 1)) return nullptr;
         if (!decode_rows(*session_, buffer_.data(), row, y_end - y_begin)) return nullptr;
         next_ = y_end;
@@ -276,7 +295,7 @@ private:
     Layout layout_;
     PictureSpec spec_;
     std::vector<png_byte> buffer_;
-    int next_ = 0;  // the row that the session decodes next
+    int next_ = kUnknown;  // the row that the session decodes next
     bool is_open_ = false;
 };
 

@@ -229,6 +229,31 @@ TEST(PngFile, DamagedRowsAreAnErrorWithAReason)
     }
 }
 
+// The caller's room is that of the rows as they were declared first.
+TEST(PngFile, AFileThatIsReplacedWhileItIsReadIsAnErrorAndNoLongerRow)
+{
+    const TempFolder folder;
+    const auto picture = [](int width) {
+        return png({width, 8, 3, true, ""}, std::vector<float>(std::size_t(width) * 8 * 3, 0.5f));
+    };
+    const std::string narrow = picture(8), wide = picture(60'000);
+    const fs::path file = folder.write("a.png", narrow);
+    std::string why;
+    const auto reader = open_png(ImageBytes(file), why);
+    ASSERT_TRUE(reader) << why;
+    std::vector<std::uint8_t> values(8 * 8 * 3);
+    ASSERT_TRUE(reader->read_rows(0, 8, 3, values.data()));
+    folder.write("a.png", wide);
+    for (const int begin : {0, 4, 0}) {
+        EXPECT_FALSE(reader->read_rows(begin, begin + 2, 3, values.data()));
+        EXPECT_EQ(reader->error(), "the file has changed while it was read");
+    }
+    folder.write("a.png", narrow);
+    std::fill(values.begin(), values.end(), std::uint8_t(0));
+    EXPECT_TRUE(reader->read_rows(4, 8, 3, values.data())) << "it is the picture again that was opened";
+    EXPECT_EQ(values[4 * 8 * 3 - 1], 128);
+}
+
 TEST(PngFile, PicturesThatAreCutOffAreSaidToBe)
 {
     const TempFolder folder;
