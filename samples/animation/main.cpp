@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "failure.h"
 #include "worm.h"
 
 using namespace occam;
@@ -48,10 +49,6 @@ try {
         renderer.render(scene, camera, settings).write(folder / ("worms." + number + ".png"), {.exposure_ev = 0});
         std::printf("frame %d: %.2f s\n", frame, renderer.stats().seconds.total);
     }
-} catch (const Error& error) {
-    std::fprintf(stderr, "occam_animation: %s\n", error.what());
-    return error.kind() == Error::Kind::Output ? 3 : 2;
-} catch (const std::exception& error) {
-    std::fprintf(stderr, "occam_animation: %s\n", error.what());
-    return 3;
+} catch (...) {
+    return sample::exit_code_of_failure("occam_animation");
 }

@@ -11,6 +11,7 @@
 #include <cstdio>
 
 #include "arguments.h"
+#include "failure.h"
 #include "worm.h"
 
 using namespace occam;
@@ -62,7 +63,6 @@ try {
                     static_cast<unsigned long long>(stats.memory.flushes), equal ? "" : "   DIFFERS");
     }
     return is_same ? 0 : 1;
-} catch (const Error& error) {
-    std::fprintf(stderr, "occam_flush: %s\n", error.what());
-    return error.kind() == Error::Kind::Output ? 3 : 2;
+} catch (...) {
+    return sample::exit_code_of_failure("occam_flush");
 }

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "arguments.h"
+#include "failure.h"
 #include "game.h"
 #ifdef OCCAM_HAS_SDL2
 #include <SDL2/SDL.h>
@@ -130,7 +131,6 @@ try {
     if (!words.headless) std::puts("built without SDL2: no window");
 #endif
     return play_headless(game, settings, words.frames, words.picture);
-} catch (const Error& error) {
-    std::fprintf(stderr, "occam_game: %s\n", error.what());
-    return error.kind() == Error::Kind::Output ? 3 : 2;
+} catch (...) {
+    return sample::exit_code_of_failure("occam_game");
 }

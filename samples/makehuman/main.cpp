@@ -5,8 +5,12 @@
 // DATA holds base.obj, default.mhskel, default_weights.mhw, walk1.bvh and targets/. Exit code 77 if it is not there.
 #include <cmath>
 #include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <new>
 
 #include "arguments.h"
+#include "failure.h"
 #include "walk.h"
 #include "worm.h"
 
@@ -53,12 +57,12 @@ try {
         std::printf("frame %d: %.2f s, %llu vertices deformed\n", frame, renderer.stats().seconds.total,
                     static_cast<unsigned long long>(renderer.stats().built.vertices_deformed));
     }
-} catch (const Error& error) {
-    std::fprintf(stderr, "occam_makehuman: %s\n", error.what());
-    return error.kind() == Error::Kind::Output ? 3 : 2;
-} catch (const std::filesystem::filesystem_error& error) {
-    std::fprintf(stderr, "occam_makehuman: %s\n", error.what());
-    return 3;
+} catch (const Error&) {
+    return sample::exit_code_of_failure("occam_makehuman");
+} catch (const std::filesystem::filesystem_error&) {
+    return sample::exit_code_of_failure("occam_makehuman");
+} catch (const std::bad_alloc&) {
+    return sample::exit_code_of_failure("occam_makehuman");
 } catch (const std::exception& error) {
     std::fprintf(stderr, "occam_makehuman: the data is not as expected: %s\n", error.what());
     return 2;

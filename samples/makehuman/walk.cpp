@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <glm/gtc/quaternion.hpp>
+#include <istream>
 
 namespace sample {
 
@@ -29,13 +30,15 @@ struct Motion {
 Vec3d upright(Vec3d p) { return {p.x, p.z, -p.y}; }
 Quaternion upright(Quaternion q) { return {q.w, q.x, q.z, -q.y}; }
 
-Motion read_motion(const std::filesystem::path& file)
+[[noreturn]] void refuse(const std::filesystem::path& file)
 {
-    std::ifstream in(file);
-    if (!in) throw Error(file.string(), "cannot be read");
-    Motion motion;
+    throw Error(file.string(), "is not a motion file, or ends early");
+}
+
+// Reads the joints, up to the word MOTION.
+void read_joints(std::istream& in, const std::filesystem::path& file, Motion& motion)
+{
     std::vector<int> open;
-    std::size_t frames = 0;
     int at = -1;
     for (std::string word; in >> word && word != "MOTION";) {
         if (word == "ROOT" || word == "JOINT") {
@@ -50,6 +53,7 @@ Motion read_motion(const std::filesystem::path& file)
         } else if (word == "{") {
             open.push_back(at);
         } else if (word == "}") {
+            if (open.empty()) refuse(file);
             open.pop_back();
         } else if (word == "OFFSET" && at >= 0) {
             Motion::Joint& joint = motion.joints[static_cast<std::size_t>(at)];
@@ -59,9 +63,19 @@ Motion read_motion(const std::filesystem::path& file)
                          (joint.parent < 0 ? Vec3d(0) : motion.joints[static_cast<std::size_t>(joint.parent)].head);
         }
     }
+}
+
+Motion read_motion(const std::filesystem::path& file)
+{
+    std::ifstream in(file);
+    if (!in) throw Error(file.string(), "cannot be read");
+    Motion motion;
+    read_joints(in, file, motion);
+    std::size_t frames = 0;
     std::string word;
     in >> word >> frames >> word >> word >> motion.frame_seconds;
-    for (std::size_t f = 0; f < frames; ++f) {
+    // The file decides how many frames there are, whatever number it states.
+    for (std::size_t f = 0; f < frames && in; ++f) {
         Vec3d unused, degrees;
         std::vector<Quaternion> turns;
         in >> unused.x >> unused.y >> unused.z;
@@ -74,7 +88,7 @@ Motion read_motion(const std::filesystem::path& file)
         }
         motion.turns.push_back(std::move(turns));
     }
-    if (!in || frames == 0) throw Error(file.string(), "is not a motion file, or ends early");
+    if (!in || frames == 0 || !(motion.frame_seconds > 0)) refuse(file);
     return motion;
 }
 

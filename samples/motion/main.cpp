@@ -9,6 +9,7 @@
 
 #include "arguments.h"
 #include "cart.h"
+#include "failure.h"
 #include "runner.h"
 #include "shapes.h"
 
@@ -87,10 +88,6 @@ try {
         std::printf("frame %d: %.2f s, %d shutter segments\n", frame, renderer.stats().seconds.total,
                     renderer.stats().motion.segments);
     }
-} catch (const Error& error) {
-    std::fprintf(stderr, "occam_motion: %s\n", error.what());
-    return error.kind() == Error::Kind::Output ? 3 : 2;
-} catch (const std::exception& error) {
-    std::fprintf(stderr, "occam_motion: %s\n", error.what());
-    return 3;
+} catch (...) {
+    return sample::exit_code_of_failure("occam_motion");
 }
