@@ -280,7 +280,7 @@ accel::Ray EscapeTest::next_ray(const View& view)
         b = std::exp2(uniform(random_, -12, -1));
         if (random_() & 1) b = std::min(b, at_hit / std::max(where, 1e-30));
         else b = -std::min(b, std::max(0.0, (widest - at_hit) / std::max(where, 1e-30)));
-        a = at_hit - b * where;
+        a = std::max(0.0, at_hit - b * where);  // the difference may be rounded to less than nothing
     }
     accel::Ray ray;
     ray.time = instant.time;
