@@ -2,9 +2,9 @@
 // that would be made now.
 //
 // The number depends on the version, the settings, the camera, the moment, and the bytes of the scene's file, of the files
-// that it names and of the environment; of an image of more than 128 KiB it sees the size and both ends. It does not
-// depend on threads, budgets (but for images that are halved to fit one) or folders. Pictures have it in their heads
-// (WriteOptions::note).
+// that it names and of the environment. Of an image of more than 128 KiB that the scene names it sees the size and both
+// ends; the environment's is seen whole. It does not depend on threads, budgets (but for images that are halved to fit one)
+// or folders. Pictures have it in their heads (WriteOptions::note).
 #pragma once
 
 #include <cstdint>
