@@ -3,6 +3,7 @@
 
 #include "arguments.h"
 #include "base/printable.h"
+#include "interrupt.h"
 #include "io/output_file.h"
 #include "render/compare.h"
 
@@ -61,6 +62,7 @@ int run(const CompareArguments& a)
     const auto judged = std::find_if(differences.begin(), differences.end(),
                                      [&](const render::Difference& d) { return d.layer == a.layer; });
     if (judged != differences.end() && judged->has_other_channels) render::compare(picture, reference, a.layer);  // throws
+    if (!a.heat.empty()) outlive_readers();
     if (a.json) std::fputs(render::to_json(differences).c_str(), stdout);
     else std::for_each(differences.begin(), differences.end(), print);
 

@@ -3,6 +3,7 @@
 #include "arguments.h"
 #include "base/error.h"
 #include "base/printable.h"
+#include "interrupt.h"
 #include "io/output_file.h"
 #include "io/texture/decode.h"
 #include "io/texture/tiled_file.h"
@@ -31,6 +32,7 @@ void refuse_other_files(const std::filesystem::path& out)
 
 int run(const TextureArguments& a)
 {
+    outlive_readers();  // the file is what is made
     check_output(a.out);
     refuse_inputs({{a.out}}, {{a.image}});
     refuse_other_files(a.out);

@@ -4,8 +4,10 @@
 #include <sys/ioctl.h>
 
 #include <csignal>
+#include <limits>
 #include <sstream>
 
+#include "render/image.h"
 #include "tests/support/command_test.h"
 
 namespace occam {
@@ -34,6 +36,24 @@ protected:
         close(slave);
         close(master);
         return text;
+    }
+
+    static constexpr int kSignal = -1;  ///< the exit code of a command that a signal has ended
+
+    /// Runs the command with a stream that is a pipe whose reader has gone away.
+    Outcome without_reader(int stream, std::vector<std::string> words, const std::vector<std::string>& more = {})
+    {
+        int ends[2] = {};
+        EXPECT_EQ(pipe2(ends, O_CLOEXEC), 0);
+        close(ends[0]);
+        before_exec = [&] {
+            dup2(ends[1], stream);
+            signal(SIGPIPE, SIG_DFL);
+        };
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome o = run(words);
+        close(ends[1]);
+        return o;
     }
 };
 
@@ -78,17 +98,6 @@ TEST_F(CommandProgress, ARenderFarmLearnsWhyAPictureWasNotMade)
 // Of a pipeline such as `| head -1`, whose last part has ended. What is made is in files.
 TEST_F(CommandProgress, AReaderWhoHasGoneAwayLosesNoPicture)
 {
-    int ends[2] = {};
-    ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
-    close(ends[0]);
-    const auto outcome = [&](int stream, std::vector<std::string> words, const std::vector<std::string>& more) {
-        before_exec = [&] {
-            dup2(ends[1], stream);
-            signal(SIGPIPE, SIG_DFL);
-        };
-        words.insert(words.end(), more.begin(), more.end());
-        return run(words);
-    };
     const std::vector<std::string> small{"--size", "8x4", "--spp", "1"};
     for (const auto& [style, stream] : {std::pair("openjd", STDOUT_FILENO), {"plain", STDERR_FILENO}}) {
         const std::vector<std::string> calls[] = {
@@ -97,21 +106,35 @@ TEST_F(CommandProgress, AReaderWhoHasGoneAwayLosesNoPicture)
             {"animate", "triangle.obj", "-o", "a.#.png", "--frames", "0-1", "--progress", style}};
         for (const auto& words : calls) {
             fs::remove(folder / "a.0.png");
-            EXPECT_EQ(outcome(stream, words, small).exit_code, kDone) << words[0] << ' ' << style;
+            EXPECT_EQ(without_reader(stream, words, small).exit_code, kDone) << words[0] << ' ' << style;
             EXPECT_TRUE(fs::exists(folder / "a.0.png")) << words[0] << ' ' << style;
         }
         EXPECT_TRUE(fs::exists(folder / "a.1.png"));
         fs::remove(folder / "a.1.png");
     }
     fs::remove(folder / "a.0.png");
-    const Outcome stats = outcome(STDOUT_FILENO, {"render", "triangle.obj", "-o", "a.0.png", "--stats", "-"}, small);
+    const Outcome stats = without_reader(STDOUT_FILENO, {"render", "triangle.obj", "-o", "a.0.png", "--stats", "-"}, small);
     EXPECT_EQ(stats.exit_code, kOutput);
     EXPECT_EQ(stats.err, "occam: standard output: cannot be written: Broken pipe\n");
     EXPECT_TRUE(fs::exists(folder / "a.0.png"));
-    constexpr int kSignal = -1;  // what only prints ends as others do
-    EXPECT_EQ(outcome(STDOUT_FILENO, {"render", "triangle.obj", "--replay", "2,2"}, small).exit_code, kSignal);
-    EXPECT_EQ(outcome(STDOUT_FILENO, {"info", "triangle.obj"}, {}).exit_code, kSignal);
-    close(ends[1]);
+    // What only prints ends as other programs do.
+    EXPECT_EQ(without_reader(STDOUT_FILENO, {"render", "triangle.obj", "--replay", "2,2"}, small).exit_code, kSignal);
+    EXPECT_EQ(without_reader(STDOUT_FILENO, {"info", "triangle.obj"}).exit_code, kSignal);
+}
+
+TEST_F(CommandProgress, AReaderWhoHasGoneAwayLosesNoOtherFile)
+{
+    render::Image image(4, 4);
+    image.add_layer("beauty", {"R", "G", "B"}, false).pixels.assign(48, std::numeric_limits<float>::infinity());
+    for (int i = 0; i < 64; ++i)
+        image.add_layer(std::string(100, 'a') + std::to_string(i), {"Y"}, false).pixels.assign(16, 1);
+    image.write(folder / "many.exr");
+    EXPECT_EQ(without_reader(STDERR_FILENO, {"texture", "many.exr", "out.tx"}).exit_code, kDone) << "it prints a line";
+    EXPECT_TRUE(fs::exists(folder / "out.tx"));
+    const std::vector<std::string> compare{"compare", "many.exr", "many.exr"};
+    EXPECT_EQ(without_reader(STDOUT_FILENO, compare, {"--heat", "heat.png"}).exit_code, kOutput);
+    EXPECT_TRUE(fs::exists(folder / "heat.png"));
+    EXPECT_EQ(without_reader(STDOUT_FILENO, compare).exit_code, kSignal);
 }
 
 TEST_F(CommandProgress, ANameWithALineEndMakesNoLineOfItsOwn)
