@@ -1,7 +1,12 @@
 // Triangulation of polygons: convex ones become a fan or are halved, others are cut by ear clipping (Meisters 1975).
 #include "io/import/polygons.h"
 
-#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
 namespace occam::import {
 
@@ -25,12 +30,16 @@ double turn(Vec3d n, Vec3f a, Vec3f b, Vec3f c) { return glm::dot(n, glm::cross(
 bool is_convex(Vec3d n, std::span<const Vec3f> p)
 {
     const std::size_t size = p.size();
-    for (std::size_t i = 0; i < size; ++i)
-        if (turn(n, p[i], p[(i + 1) % size], p[(i + 2) % size]) < 0) return false;
+    for (std::size_t i = 0; i < size; ++i) {
+        const Vec3f a = p[i], b = p[(i + 1) % size], c = p[(i + 2) % size];
+        const double turned = turn(n, a, b, c);
+        if (turned < 0 || (turned == 0 && glm::dot(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(b)) < 0)) return false;
+    }
     return true;
 }
 
-// Holds the corners that are left, in order, and which of them can be cut off.
+// Holds the corners that are left, in order, and which of them can be cut off. A polygon may touch itself: a face with a
+// hole is written as one polygon that goes to the hole and back along the same edge, so that it has corners in one place.
 class Ring {
 public:
     Ring(Vec3d normal, std::span<const Vec3f> corners) : normal_(normal), p_(corners)
@@ -40,19 +49,28 @@ public:
     }
     std::size_t size() const { return ring_.size(); }
     const std::vector<std::uint32_t>& corners() const { return ring_; }
+    /// Whether a corner was taken that is no ear, or the three corners that are left run the wrong way round.
+    bool crosses_itself() const { return has_forced_ || turn_at(1) < 0; }
 
-    // Finds the first ear. Cutting one off changes only its two neighbours, unless the polygon touches itself: then all
-    // corners are judged again, a few times. A polygon that crosses itself may have no ear; then the first corner is taken.
+    // Finds what to cut off next: a corner where the polygon goes back to where it came from, the first ear, or where there
+    // is none a corner whose triangle has no area. Cutting one off changes its two neighbours, and what a corner that is
+    // gone has stood in the way of: so all corners are judged again if no ear is known, as often as does not take long. A
+    // polygon that crosses itself may have no ear.
     std::size_t find_ear()
     {
-        for (;;) {
-            const auto found = std::find(is_ear_.begin(), is_ear_.end(), char(1));
-            if (found != is_ear_.end()) return static_cast<std::size_t>(found - is_ear_.begin());
-            if (retries_ == 0) return 0;
+        if (const auto fold = first([&](std::size_t i) { return has_equal_places(i); })) return *fold;
+        if (const auto ear = known_ear()) return *ear;
+        while (retries_ > 0) {
             --retries_;
             judge_all();
-            if (std::find(is_ear_.begin(), is_ear_.end(), char(1)) == is_ear_.end()) return 0;
+            if (const auto ear = known_ear()) return *ear;
+            if (may_touch_) break;
+            may_touch_ = true;
         }
+        const auto is_straight = [&](std::size_t i) { return turn_at(i) == 0; };
+        if (const auto straight = first(is_straight)) return *straight;
+        has_forced_ = true;
+        return first([&](std::size_t i) { return turn_at(i) > 0; }).value_or(0);
     }
     void cut(std::size_t ear, std::vector<std::uint32_t>& out)
     {
@@ -67,6 +85,24 @@ public:
 private:
     std::size_t before(std::size_t i) const { return (i + ring_.size() - 1) % ring_.size(); }
     std::size_t after(std::size_t i) const { return (i + 1) % ring_.size(); }
+    Vec3f place(std::size_t i) const { return p_[ring_[i]]; }
+    double turn_at(std::size_t i) const { return turn(normal_, place(before(i)), place(i), place(after(i))); }
+    bool has_equal_places(std::size_t i) const
+    {
+        const Vec3f a = place(before(i)), b = place(i), c = place(after(i));
+        return a == b || b == c || a == c;
+    }
+    template <class Is>
+    std::optional<std::size_t> first(Is&& is) const
+    {
+        for (std::size_t i = 0; i < ring_.size(); ++i)
+            if (is(i)) return i;
+        return std::nullopt;
+    }
+    std::optional<std::size_t> known_ear() const
+    {
+        return first([&](std::size_t i) { return is_ear_[i] != 0; });
+    }
     void judge_all()
     {
         is_ear_.resize(ring_.size());
@@ -74,12 +110,36 @@ private:
     }
     bool judge(std::size_t i) const
     {
-        const std::uint32_t a = ring_[before(i)], b = ring_[i], c = ring_[after(i)];
-        if (turn(normal_, p_[a], p_[b], p_[c]) <= 0) return false;
-        return std::none_of(ring_.begin(), ring_.end(), [&](std::uint32_t q) {
-            return q != a && q != b && q != c && turn(normal_, p_[a], p_[b], p_[q]) >= 0 &&
-                   turn(normal_, p_[b], p_[c], p_[q]) >= 0 && turn(normal_, p_[c], p_[a], p_[q]) >= 0;
-        });
+        const Vec3f a = place(before(i)), b = place(i), c = place(after(i));
+        if (turn(normal_, a, b, c) <= 0) return false;
+        for (std::size_t j = 0; j < ring_.size(); ++j)
+            if (j != before(i) && j != i && j != after(i) && blocks(j, a, b, c)) return false;
+        return true;
+    }
+    // Returns whether another corner keeps the triangle from being cut off. One in the place of `a` or of `c` does not,
+    // since an edge that goes from there into the triangle ends in it, and so its end does. From `b` it could leave through
+    // the opposite side. A corner elsewhere on a side does, as long as there are ears without such corners.
+    bool blocks(std::size_t j, Vec3f a, Vec3f b, Vec3f c) const
+    {
+        const Vec3f q = place(j);
+        const double ab = turn(normal_, a, b, q);
+        if (!(ab >= 0)) return false;
+        const double bc = turn(normal_, b, c, q);
+        if (!(bc >= 0)) return false;
+        const double ca = turn(normal_, c, a, q);
+        if (!(ca >= 0) || q == a || q == c) return false;
+        const bool is_inside = ab > 0 && bc > 0 && ca > 0;
+        if (q != b && (is_inside || !may_touch_)) return true;
+        return enters(place(before(j)), q, a, b, c) || enters(place(after(j)), q, a, b, c);
+    }
+    // Returns whether an edge from `q`, which is on the border of the triangle, to `to` goes through its inside.
+    bool enters(Vec3f to, Vec3f q, Vec3f a, Vec3f b, Vec3f c) const
+    {
+        const auto is_beyond = [&](Vec3f from, Vec3f end) {
+            const bool is_on_side = q == from || q == end || turn(normal_, from, end, q) == 0;
+            return is_on_side && turn(normal_, from, end, to) <= 0;
+        };
+        return !is_beyond(a, b) && !is_beyond(b, c) && !is_beyond(c, a);
     }
 
     Vec3d normal_;
@@ -87,6 +147,7 @@ private:
     std::vector<std::uint32_t> ring_;
     std::vector<char> is_ear_;
     int retries_ = 8;
+    bool may_touch_ = false, has_forced_ = false;
 };
 
 // Halves a convex polygon of many corners again and again. The boxes of a fan's triangles would all overlap at one corner,
@@ -107,7 +168,7 @@ void halve(std::uint32_t corners, std::vector<std::uint32_t>& out)
 
 }  // namespace
 
-bool cut_polygon(std::span<const Vec3f> corners, std::vector<std::uint32_t>& out)
+CutPolygon cut_polygon(std::span<const Vec3f> corners, std::vector<std::uint32_t>& out)
 {
     const std::uint32_t size = static_cast<std::uint32_t>(corners.size());
     const Vec3d n = newell_normal(corners);
@@ -116,12 +177,12 @@ bool cut_polygon(std::span<const Vec3f> corners, std::vector<std::uint32_t>& out
         Ring ring(n, corners);
         while (ring.size() > 3) ring.cut(ring.find_ear(), out);
         out.insert(out.end(), ring.corners().begin(), ring.corners().end());
-        return true;
+        return ring.crosses_itself() ? CutPolygon::Crossing : CutPolygon::Whole;
     }
     if (size > kMaxFanCorners) halve(size, out);
     else
         for (std::uint32_t i = 1; i + 1 < size; ++i) out.insert(out.end(), {0u, i, i + 1});
-    return !needs_ears;
+    return needs_ears ? CutPolygon::AsConvex : CutPolygon::Whole;
 }
 
 }  // namespace occam::import

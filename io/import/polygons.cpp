@@ -107,6 +107,14 @@ std::string note_of_faces(const Polygons& polygons, Subdivide subdivide)
            (subdivide == Subdivide::Off ? " (--subdivide off)" : " (--subdivide on makes a Catmull-Clark surface of them)");
 }
 
+void warn_of_cut(CutPolygon result, std::size_t face, Report& report)
+{
+    if (result == CutPolygon::Whole) return;
+    report.warn(result == CutPolygon::AsConvex ? "a concave face of more than 512 corners is cut as if it were convex"
+                                               : "a face crosses itself or is far from flat: its triangles may leave it",
+                "face " + std::to_string(face));
+}
+
 }  // namespace
 
 Cage triangulate(Polygons polygons, Report& report)
@@ -138,8 +146,7 @@ Cage triangulate(Polygons polygons, Report& report)
             const std::uint32_t v = vertices[begin + c];
             corners.push_back(v < out.positions.size() ? out.positions[v] : Vec3f(0));
         }
-        if (!cut_polygon(corners, cut))
-            report.warn("a concave face of more than 512 corners is cut as if it were convex", "face " + std::to_string(f));
+        warn_of_cut(cut_polygon(corners, cut), f, report);
         for (std::uint32_t c : cut) {
             out.face_vertices.push_back(vertices[begin + c]);
             for (std::size_t s = 0; s < uv_indices.size(); ++s)

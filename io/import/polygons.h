@@ -42,11 +42,18 @@ void complete_normals(Polygons& polygons);
 
 /// Makes a mesh of Scheme::Triangles. Faces are cut into triangles (convex ones as a fan or by halves, others by ear
 /// clipping), holes are left out, and vertices with several normals are split. A concave face of too many corners is cut as
-/// if it were convex, with a warning.
+/// if it were convex, with a warning, and one that crosses itself is a warning, too.
 Cage triangulate(Polygons polygons, Report& report);
 
-/// Appends size() - 2 triangles to `out`, as triples of indices into `corners`. Returns false if the polygon is concave and
-/// has more corners than ear clipping is used for, so that its triangles may leave it.
-bool cut_polygon(std::span<const Vec3f> corners, std::vector<std::uint32_t>& out);
+/// Says how a polygon was cut.
+enum class CutPolygon : unsigned char {
+    Whole,     ///< its triangles cover it
+    Crossing,  ///< it crosses itself, seen along its normal, so that its triangles may leave it
+    AsConvex   ///< it is concave and has more corners than ear clipping is used for: its triangles may leave it
+};
+
+/// Appends size() - 2 triangles to `out`, as triples of indices into `corners`. The polygon may have several corners in one
+/// place, as one that goes to a hole and back has; some of the triangles may have no area.
+CutPolygon cut_polygon(std::span<const Vec3f> corners, std::vector<std::uint32_t>& out);
 
 }  // namespace occam::import
