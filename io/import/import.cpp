@@ -27,7 +27,9 @@ constexpr SceneFormat kFormats[] = {
     {".gltf .glb", "glTF 2.0", "nodes, meshes, skins, morph targets, clips, cameras, materials, textures, lights", "y",
      load_gltf},
     {".obj", "Wavefront OBJ",
-     "polygons, normals, texture coordinates, MTL materials, subdivision tags (`t crease`, `t corner`, ...)", "y", load_obj},
+     "polygons, normals, texture coordinates, colours of vertices, MTL materials, subdivision tags (`t crease`, "
+     "`t corner`, ...)",
+     "y", load_obj},
     {".ply", "Stanford PLY",
      "polygons, normals, texture coordinates, colours of vertices or faces; text and both binary forms", "y", load_ply},
     {".off", "OFF", "polygons, normals, texture coordinates, colours of vertices or faces; text", "y", load_off},

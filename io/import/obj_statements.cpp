@@ -69,21 +69,26 @@ bool apply_tag(const Tag& tag, Cage& cage)
     return false;
 }
 
-// Holds the colours that some programs write after a vertex's position: sRGB from 0 to 1. The first vertex decides whether a
-// file has them; a vertex that lacks them is white.
+// Holds the colours that some programs write after a vertex's position: sRGB from 0 to 1. A vertex that
+// lacks them is white, be it before the first that has them or after it. But after a vertex of four numbers, the last of
+// which is a weight, none has colours.
 class VertexColors {
 public:
     explicit VertexColors(std::vector<Vec4f>& colors) : colors_(colors) {}
 
-    void add(std::string_view line)
+    /// Adds what follows the position of the next vertex.
+    void add(std::string_view rest)
     {
-        if (has_none_) return;
-        Words words(line);
-        for (int place = 0; place < 4; ++place) words.next();  // the keyword too
+        ++vertices_;
+        if (has_weights_) return;
+        Words words(rest);
         const auto r = words.number<float>(), g = words.number<float>(), b = words.number<float>();
         const bool is_color = r && g && b;
-        has_none_ = colors_.empty() && !is_color;
-        if (has_none_) return;
+        if (!is_color && colors_.empty()) {
+            has_weights_ = r && !g;
+            return;
+        }
+        colors_.resize(vertices_ - 1, Vec4f(1));
         const auto linear = [&](float s) {
             are_in_range &= s >= 0 && s <= 1;
             return linear_from_srgb(std::clamp(s, 0.0f, 1.0f));
@@ -94,7 +99,8 @@ public:
 
 private:
     std::vector<Vec4f>& colors_;
-    bool has_none_ = false;
+    std::size_t vertices_ = 0;
+    bool has_weights_ = false;
 };
 
 // Holds the smoothing groups of faces, which stand on separate lines before them. A group is a number; 0 and `off` are flat,
@@ -130,22 +136,26 @@ public:
     {
     }
 
-    void vertex(std::string_view line)
+    // Returns what follows the position of a vertex; none for other elements.
+    std::optional<std::string_view> vertex(std::string_view line)
     {
         const char kind = line.size() > 1 ? line[1] : ' ';
         if (is_blank(kind)) {
             std::string_view rest = line.substr(1);
             check(rest, 3, found_.positions++, found_.positions_not_finite);
+            const std::string_view after = rest;
             while (true) {
                 const NumberKind more = take_number(rest);
-                if (more == NumberKind::Missing) break;
+                if (more == NumberKind::Missing) return after;
                 if (more == NumberKind::Malformed) report_.warn("words after a vertex's position are no numbers", where());
             }
-        } else if (line.size() == 2 || is_blank(line[2])) {
+        }
+        if (line.size() == 2 || is_blank(line[2])) {
             std::string_view rest = line.substr(2);
             if (kind == 'n') check(rest, 3, found_.normals++, found_.normals_not_finite);
             if (kind == 't') check(rest, 1, found_.uvs++, found_.uvs_not_finite);
         }
+        return std::nullopt;
     }
     // Returns true if the library counts it: a line without a corner is not a face.
     bool face(std::string_view line)
@@ -209,8 +219,7 @@ ObjStatements scan_obj_statements(std::string& text, Cage& cage, Report& report)
             return line.starts_with(keyword) && (line.size() == keyword.size() || is_blank(line[keyword.size()]));
         };
         if (is("v") || is("vn") || is("vt")) {
-            if (is("v")) colors.add(line);
-            elements.vertex(line);
+            if (const auto rest = elements.vertex(line)) colors.add(*rest);
             continue;
         }
         if (is("f")) {

@@ -178,8 +178,12 @@ TEST(VertexColors, OfObjStandAfterThePlaceAndAreSrgb)
         EXPECT_EQ(cage.colors[3], Vec4f(1, 0, 0, 1));
         EXPECT_TRUE(warns(scene, "not between 0 and 1"));
     }
+    const Scene late = load(folder.write("l.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0 1 0 0\nv 0 2 0\nf 1 2 3 4 5\n"));
+    EXPECT_EQ(test::only_cage(late).colors, (std::vector<Vec4f>{Vec4f(1), Vec4f(1), Vec4f(1), {1, 0, 0, 1}, Vec4f(1)}))
+        << "vertices before the first that has a colour are white";
     const Scene plain = load(folder.write("w.obj", "v 0 0 0 1\nv 1 0 0 1\nv 1 1 0 1\nv 0 1 0 1 0.1 0.2 0.3\nf 1 2 3 4\n"));
-    EXPECT_TRUE(cages(plain).at(0)->colors.empty()) << "a fourth number is a weight, and the first vertex decides";
+    EXPECT_TRUE(cages(plain).at(0)->colors.empty())
+        << "a fourth number is a weight, and where one comes first there are no colours";
 }
 
 }  // namespace
