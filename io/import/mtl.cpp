@@ -134,6 +134,14 @@ private:
         return *last;
     }
 
+    // Returns whether two names are of one image, however they are spelled.
+    bool is_same_image(const std::string& a, const std::string& b)
+    {
+        if (a == b || a.empty() || b.empty()) return a == b;
+        const Folder::Place &place_a = image_place(a), &place_b = image_place(b);
+        return place_a.is_file && place_b.is_file && place_a.path == place_b.path;
+    }
+
     // Lists the images that the material names, also those of kinds that are not read.
     void add_image_files(const tinyobj::material_t& m)
     {
@@ -235,7 +243,7 @@ private:
         material.base_color = Vec4f(diffuse, unit(m.dissolve));
         if (material.base_color.w < 1 || !m.alpha_texname.empty()) material.alpha_mode = AlphaMode::Blend;
         // The alpha of the base colour's own image is already in use.
-        if (m.alpha_texname != m.diffuse_texname)
+        if (!is_same_image(m.alpha_texname, m.diffuse_texname))
             material.alpha_texture = texture(m.alpha_texname, m.alpha_texopt, TextureRole::Data);
         material.emission = not_negative(m.emission);
         if (!m.emissive_texname.empty()) {

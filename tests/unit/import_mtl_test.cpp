@@ -232,9 +232,11 @@ TEST(ImportMtl, AnAlphaMapOfItsOwnIsData)
 
 TEST(ImportMtl, AnAlphaMapThatIsTheBaseColoursImageIsItsAlpha)
 {
-    const Loaded loaded("map_Kd blue.ppm\nmap_d blue.ppm\n");
-    EXPECT_EQ(loaded.material.alpha_mode, AlphaMode::Blend);
-    EXPECT_FALSE(loaded.material.alpha_texture);
+    for (const std::string name : {"blue.ppm", "./blue.ppm", ".\\blue.ppm", "blue.ppm # its alpha"}) {
+        const Loaded loaded("map_Kd blue.ppm\nmap_d " + name + "\n");
+        EXPECT_EQ(loaded.material.alpha_mode, AlphaMode::Blend) << name;
+        EXPECT_FALSE(loaded.material.alpha_texture) << name;
+    }
 }
 
 TEST(ImportMtl, MapsOfRoughnessAndMetalnessMultiplyTheirFactors)
