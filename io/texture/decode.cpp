@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -29,51 +30,105 @@ const std::array<float, 256>& srgb_table()
 
 constexpr ImageLimits kLimits = {kMaxTextureSide, kMaxTextureTexels, kMaxTextureTexels * 4};
 
-// Says which of the first four channels of an image are the colours of a texel and its alpha; -1: there is none.
+// Says which channels of an image are the colours of a texel and its alpha; -1: there is none.
 struct ChannelPlaces {
     int color[3] = {0, 0, 0}, alpha = -1;
+
+    int count() const { return 1 + std::max({color[0], color[1], color[2], alpha}); }
 };
 
-// Returns the places that the letters of a set have among the channels, by their names without that of a layer.
-ChannelPlaces places_by_name(const PictureSpec& spec, int count, std::string_view letters)
+// The name of a channel of an OpenEXR file: that of its layer, if it has one, and after the last point its own.
+struct ChannelName {
+    explicit ChannelName(std::string_view whole)
+        : layer(whole.substr(0, whole.rfind('.') == std::string_view::npos ? 0 : whole.rfind('.'))),
+          own(whole.substr(whole.rfind('.') + 1))
+    {
+    }
+    std::string_view layer, own;
+};
+
+// Returns the places that the letters of a set have among the channels of a layer.
+ChannelPlaces places_in_layer(const PictureSpec& spec, std::string_view layer, std::string_view letters)
 {
     ChannelPlaces places;
     std::fill_n(places.color, 3, -1);
-    for (int c = 0; c < count; ++c) {
-        const std::string& whole = spec.channels[static_cast<std::size_t>(c)];
-        const std::string name = whole.substr(whole.rfind('.') + 1);
-        const std::size_t known = name.size() == 1 ? letters.find(name) : std::string_view::npos;
+    for (int c = 0; c < spec.channel_count(); ++c) {
+        const ChannelName name(spec.channels[static_cast<std::size_t>(c)]);
+        if (name.layer != layer || name.own.size() != 1) continue;
+        const std::size_t known = letters.find(name.own);
         if (known != std::string_view::npos && places.color[known] < 0) places.color[known] = c;
     }
     return places;
 }
 
-// OpenEXR files say what their channels are by names: two or more of R, G and B are these colours, wherever they stand, and
-// X, Y and Z together are a vector. Else three channels are colours in their order, and fewer are grey. A depth is no
-// colour. In other formats the order of the channels says what they are.
-ChannelPlaces places_of(const PictureReader& image)
+// Returns those of the layer that has the most of the letters: of several the one without a name, or else the first.
+ChannelPlaces places_by_name(const PictureSpec& spec, std::string_view letters)
 {
-    const PictureSpec& spec = image.spec();
-    const int count = std::min(spec.channel_count(), 4);
-    if (image.format() != "openexr") {
-        if (count < 3) return {{0, 0, 0}, count == 2 ? 1 : -1};
-        return {{0, 1, 2}, count == 4 ? 3 : -1};
+    const auto missing = [](const ChannelPlaces& places) { return std::count(places.color, places.color + 3, -1); };
+    ChannelPlaces best = places_in_layer(spec, {}, letters);
+    std::set<std::string_view> known{{}};
+    for (const std::string& channel : spec.channels) {
+        const std::string_view layer = ChannelName(channel).layer;
+        if (missing(best) == 0 || !known.insert(layer).second) continue;
+        const ChannelPlaces places = places_in_layer(spec, layer, letters);
+        if (missing(places) < missing(best)) best = places;
     }
-    const int alpha = spec.alpha_channel < count ? spec.alpha_channel : -1;
+    return best;
+}
+
+// Returns the place of the alpha of a layer: its own, or else that of the file as a whole, whose name has no layer.
+int alpha_of_layer(const PictureSpec& spec, std::string_view layer)
+{
+    int of_file = -1;
+    for (int c = 0; c < spec.channel_count(); ++c) {
+        const ChannelName name(spec.channels[static_cast<std::size_t>(c)]);
+        if (name.own != "A" && c != spec.alpha_channel) continue;
+        if (name.layer == layer) return c;
+        if (name.layer.empty() && of_file < 0) of_file = c;
+    }
+    return of_file;
+}
+
+// OpenEXR files say what their channels are by names: two or more of R, G and B are these colours, wherever they stand, and
+// X, Y and Z together are a vector. Else of the first four channels three are colours in their order, and fewer are grey. A
+// depth is no colour, and neither is an alpha.
+ChannelPlaces places_in_exr(const PictureSpec& spec)
+{
+    const auto layer_of = [&](int channel) { return ChannelName(spec.channels[static_cast<std::size_t>(channel)]).layer; };
     for (const std::string_view letters : {"RGB", "XYZ"}) {
-        ChannelPlaces places = places_by_name(spec, count, letters);
+        ChannelPlaces places = places_by_name(spec, letters);
         const auto missing = std::count(places.color, places.color + 3, -1);
-        places.alpha = alpha;
-        if (missing == 0 || (missing == 1 && letters == "RGB")) return places;
+        if (missing > (letters == "RGB" ? 1 : 0)) continue;
+        places.alpha = alpha_of_layer(spec, layer_of(std::max(places.color[0], places.color[1])));
+        return places;
     }
     ChannelPlaces places;
-    places.alpha = alpha;
     int found = 0;
-    const int depth = places_by_name(spec, count, "XYZ").color[2];
-    for (int c = 0; c < count && found < 3; ++c)
-        if (c != alpha && (found == 0 || c != depth)) places.color[found++] = c;
+    for (int c = 0; c < std::min(spec.channel_count(), 4) && found < 3; ++c) {
+        const std::string_view own = ChannelName(spec.channels[static_cast<std::size_t>(c)]).own;
+        if (own != "A" && c != spec.alpha_channel && (found == 0 || own != "Z")) places.color[found++] = c;
+    }
     if (found < 3) std::fill_n(places.color + 1, 2, places.color[0]);
+    places.alpha = alpha_of_layer(spec, layer_of(places.color[0]));
     return places;
+}
+
+// In other formats than OpenEXR the order of the channels says what they are.
+ChannelPlaces places_of(const OpenImage& image)
+{
+    const PictureSpec& spec = image.reader->spec();
+    if (image.reader->format() == "openexr") return places_in_exr(spec);
+    const int count = std::min(spec.channel_count(), 4);
+    if (count == 2 && image.has_two_colors) return {{0, 1, -1}, -1};
+    if (count < 3) return {{0, 0, 0}, count == 2 ? 1 : -1};
+    return {{0, 1, 2}, count == 4 ? 3 : -1};
+}
+
+// Returns the third part of a unit vector whose parts are stored as values from 0 to 1, as a normal map has them.
+float third_part(float x, float y)
+{
+    const float a = 2 * x - 1, b = 2 * y - 1;
+    return 0.5f + 0.5f * std::sqrt(std::max(0.0f, 1 - a * a - b * b));
 }
 
 }  // namespace
@@ -110,7 +165,7 @@ void TextureSource::State::open(const Texture& texture, DecodeBudget* budget)
     if (!texture.encoded && !std::filesystem::is_regular_file(texture.path, error)) refuse("no such image file");
     image = open_image(texture.path, texture.encoded.get(), name, kLimits, budget);
     input = image.reader.get();
-    places = places_of(*input);
+    places = places_of(image);
     width = input->spec().width, height = input->spec().height;
     if (image.orientation.swaps_axes) std::swap(width, height);
     if (input->format() != "openexr") return;
@@ -138,7 +193,7 @@ template <class T>
 void TextureSource::State::read_rows_as(int y_begin, int y_end, std::vector<Vec4f>& texels) const
 {
     const PictureSpec& spec = input->spec();
-    const int channels = std::min(spec.channel_count(), 4);
+    const int channels = places.count();
     std::vector<T> values(std::size_t(y_end - y_begin) * std::size_t(spec.width) * std::size_t(channels));
     if (!input->read_rows(y_begin, y_end, channels, values.data())) refuse("image cannot be decoded: " + input->error());
 
@@ -159,6 +214,7 @@ void TextureSource::State::read_rows_as(int y_begin, int y_end, std::vector<Vec4
     for (std::size_t i = 0; i < texels.size(); ++i) {
         const T* v = &values[i * static_cast<std::size_t>(channels)];
         texels[i] = {color_at(v, r), color_at(v, g), color_at(v, b), places.alpha < 0 ? 1.0f : data(v[places.alpha])};
+        if (image.has_two_colors && role == TextureRole::Data) texels[i].z = third_part(texels[i].x, texels[i].y);
     }
 }
 
@@ -210,14 +266,15 @@ bool TextureSource::has_texels_of_another_role() const noexcept { return state_-
 
 MipImage TextureSource::decode(int halvings, bool multiplies_by_alpha) const
 {
-    constexpr int kRowsAtOnce = 64;
+    constexpr int kValuesAtOnce = 256;  // as many of a column
     const State& s = *state_;
     MipImage image(std::max(1, width() >> halvings), std::max(1, height() >> halvings));
     const bool swaps_axes = s.image.orientation.swaps_axes;
     const int columns = swaps_axes ? height() : width(), lines = swaps_axes ? width() : height();  // as the file has them
     RowFilter filter(columns, lines, image, s.image.orientation);
     const int tile = s.input ? std::max(1, s.input->spec().tile_height) : 1;
-    const int rows = std::max(tile, kRowsAtOnce) / tile * tile;  // whole rows of tiles
+    const int at_once = std::clamp(kValuesAtOnce / s.places.count(), 1, 64);
+    const int rows = std::max(tile, at_once) / tile * tile;  // whole rows of tiles
     const Vec4f nothing(0, 0, 0, s.places.alpha < 0 ? 1 : 0);
     std::vector<Vec4f> texels, row(static_cast<std::size_t>(columns), nothing);
     for (int y = 0; y < s.top; ++y) filter.add(row);

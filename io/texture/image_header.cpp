@@ -190,17 +190,46 @@ bool has_foreign_pixels_dds(ImageBytes& bytes)
     return bits != 8 && bits != 16 && bits != 24 && bits != 32;
 }
 
-bool has_multiplied_colors_tga(ImageBytes& bytes)
+namespace {
+
+// Returns what the extension area of a TGA says of its alpha, or nothing if there is none.
+std::optional<std::uint32_t> kind_of_alpha_tga(ImageBytes& bytes)
 {
     // The last bytes say where the extension area lies, which says how long it is and what the alpha is (Truevision 1991,
     // "TGA FILE FOOTER" and "EXTENSION AREA").
     constexpr std::string_view kMark = "TRUEVISION-XFILE";
-    constexpr std::uint32_t kFooter = 26, kTypeOfAlpha = 494, kMultiplied = 4;
+    constexpr std::uint32_t kFooter = 26, kTypeOfAlpha = 494;
     const std::uintmax_t size = bytes.size();
-    if (size < kFooter || !matches(bytes, kMark, size - 18)) return false;
+    if (size < kFooter || !matches(bytes, kMark, size - 18)) return std::nullopt;
     const std::uintmax_t area = little_endian(bytes, size - kFooter, 4);
-    return area != 0 && little_endian(bytes, area, 2) > kTypeOfAlpha &&
-           little_endian(bytes, area + kTypeOfAlpha, 1) == kMultiplied;
+    if (area == 0 || little_endian(bytes, area, 2) <= kTypeOfAlpha) return std::nullopt;
+    return little_endian(bytes, area + kTypeOfAlpha, 1);
+}
+
+}  // namespace
+
+bool has_multiplied_colors_tga(ImageBytes& bytes)
+{
+    constexpr std::uint32_t kMultiplied = 4;
+    return kind_of_alpha_tga(bytes) == kMultiplied;
+}
+
+bool has_no_alpha_tga(ImageBytes& bytes)
+{
+    constexpr std::uint32_t kDescriptor = 17, kBitsOfAlpha = 0x0f, kNone = 0, kToBeIgnored = 1;
+    if ((little_endian(bytes, kDescriptor, 1) & kBitsOfAlpha) == 0) return true;
+    const auto kind = kind_of_alpha_tga(bytes);
+    return kind == kNone || kind == kToBeIgnored;
+}
+
+bool has_two_colors_dds(ImageBytes& bytes)
+{
+    constexpr std::uint32_t kFourCharacters = 0x4, kFirstBc5 = 82, kLastBc5 = 84;
+    constexpr std::uintmax_t kName = 84, kFormat = 128;
+    if (!matches(bytes, "DDS ") || !(little_endian(bytes, 80, 4) & kFourCharacters)) return false;
+    if (matches(bytes, "ATI2", kName) || matches(bytes, "BC5U", kName)) return true;
+    const std::uint32_t format = little_endian(bytes, kFormat, 4);
+    return matches(bytes, "DX10", kName) && format >= kFirstBc5 && format <= kLastBc5;
 }
 
 std::optional<std::size_t> place_of_multiplied_dds(ImageBytes& bytes)

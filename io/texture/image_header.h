@@ -55,6 +55,13 @@ bool has_foreign_pixels_dds(ImageBytes& bytes);
 /// not look like a TGA, the caller has found the format by image_format().
 bool has_multiplied_colors_tga(ImageBytes& bytes);
 
+/// Returns true if a TGA says that the bits beside its colours are no alpha. The caller has found the format, as above.
+bool has_no_alpha_tga(ImageBytes& bytes);
+
+/// Returns true if the two channels of a DDS are red and green (BC5, also called ATI2), as of normal maps, and not grey and
+/// alpha. Returns false for other formats.
+bool has_two_colors_dds(ImageBytes& bytes);
+
 /// Returns the place of the byte of a DDS that tells blocks whose colours are multiplied by alpha (DXT2, DXT4) from the same
 /// ones whose colours are not, which is the next number; none if it holds no such blocks, or is of another format.
 std::optional<std::size_t> place_of_multiplied_dds(ImageBytes& bytes);

@@ -102,6 +102,7 @@ Declared declared_by(ImageBytes& file, std::string_view format)
     if (!canvas) return {};
     constexpr std::uintmax_t kMostSamples = 4, kMostBits = 16;  // of a PNG
     if (format == "png") return {canvas->width, canvas->height, kMostSamples, kMostBits};
+    if (format == "bmp") return {canvas->width, canvas->height, kMostSamples};
     return {canvas->width, canvas->height};
 }
 

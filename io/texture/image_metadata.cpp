@@ -145,22 +145,25 @@ public:
         return kUsual;
     }
 
-    bool has_multiplied_colors() const
+    TiffPixels pixels() const
     {
-        constexpr std::size_t kExtraSamples = 338, kAssociated = 1;
-        for (std::size_t at = first(); at < end(); at += entry()) {
-            if (number(at, 2) != kExtraSamples) continue;
-            if (number(at + 2, 2) != kShort) return false;
-            const std::size_t samples = number(at + 4, word());
-            if (samples <= word() / 2) return samples > 0 && number(value_of(at), 2) == kAssociated;
-            const std::size_t list = number(value_of(at), word());
-            return list <= file_.size() - 2 && number(list, 2) == kAssociated;
+        constexpr std::size_t kBitsPerSample = 258, kPhotometric = 262, kSamplesPerPixel = 277, kExtraSamples = 338;
+        constexpr std::size_t kAssociated = 1, kUnassociated = 2;
+        TiffPixels pixels{.kind = short_of(kPhotometric, 0, 1), .bits = short_of(kBitsPerSample, 0, 1)};
+        pixels.samples = short_of(kSamplesPerPixel, 0, 1);
+        for (; pixels.extra < pixels.samples && short_of(kExtraSamples, pixels.extra, kNothing) != kNothing;
+             ++pixels.extra) {
+            const std::size_t kind = short_of(kExtraSamples, pixels.extra, kNothing);
+            if (pixels.alpha || (kind != kAssociated && kind != kUnassociated)) continue;
+            pixels.alpha = pixels.extra;
+            pixels.is_multiplied = kind == kAssociated;
         }
-        return false;
+        return pixels;
     }
 
 private:
     static constexpr std::size_t kByte = 1, kShort = 3, kLong = 4;  // types of values
+    static constexpr std::size_t kNothing = 0x10000;                // what no number of 16 bits is
 
     std::size_t word() const { return is_big_ ? 8 : 4; }  // the size of a place in the file and of a count of values
     std::size_t head() const { return is_big_ ? 8 : 4; }  // where the head says where the directory is
@@ -187,6 +190,19 @@ private:
         put(to, at + 2, kShort, 2);
         put(to, at + 4, 1, word());
         put(to, value_of(at), value, 2);
+    }
+    // Returns one of the numbers of 16 bits that are the value of a tag.
+    std::size_t short_of(std::size_t tag, std::size_t index, std::size_t otherwise) const
+    {
+        for (std::size_t at = first(); at < end(); at += entry()) {
+            if (number(at, 2) != tag || number(at + 2, 2) != kShort) continue;
+            const std::size_t count = number(at + 4, word());
+            if (index >= count) return otherwise;
+            const std::size_t list = count <= word() / 2 ? value_of(at) : number(value_of(at), word());
+            return list <= file_.size() - 2 && 2 * index <= file_.size() - 2 - list ? number(list + 2 * index, 2)
+                                                                                    : otherwise;
+        }
+        return otherwise;
     }
     // Returns whether there is an entry of that tag, with a value of `least` or more.
     bool has(std::size_t tag, std::size_t least = 0) const
@@ -223,6 +239,6 @@ Orientation take_tiff_orientation(std::vector<std::byte>& file)
     return orientation_of(TiffDirectory(file).take_orientation());
 }
 
-bool has_multiplied_colors_tiff(std::vector<std::byte>& file) { return TiffDirectory(file).has_multiplied_colors(); }
+TiffPixels pixels_of_tiff(std::vector<std::byte>& file) { return TiffDirectory(file).pixels(); }
 
 }  // namespace occam

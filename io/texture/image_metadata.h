@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -19,8 +20,16 @@ void remove_metadata(std::vector<std::byte>& file, std::string_view format);
 /// the top left: of some kinds of pixels libtiff turns the rows, of others it does not.
 Orientation take_tiff_orientation(std::vector<std::byte>& file);
 
-/// Returns whether a TIFF says that its colours are multiplied by its alpha: the first sample of a pixel that is no colour
-/// is an "associated alpha" (TIFF 6.0, sec. 18).
-bool has_multiplied_colors_tiff(std::vector<std::byte>& file);
+/// What a TIFF says of its pixels (TIFF 6.0, sec. 8 and 18).
+struct TiffPixels {
+    static constexpr std::size_t kWhiteIsZero = 0, kGrey = 1, kRgb = 2, kInks = 5, kLab = 8, kLastLab = 10;
+
+    std::size_t kind = kGrey;            ///< what the samples are (PhotometricInterpretation)
+    std::size_t bits = 1, samples = 1;   ///< bits of a sample, and samples of a pixel
+    std::size_t extra = 0;               ///< how many of these are no colours
+    std::optional<std::size_t> alpha{};  ///< the first of those that is said to be alpha
+    bool is_multiplied = false;          ///< the colours are multiplied by it (an "associated alpha")
+};
+TiffPixels pixels_of_tiff(std::vector<std::byte>& file);
 
 }  // namespace occam

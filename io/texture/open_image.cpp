@@ -9,6 +9,8 @@
 #include "io/exr_file.h"
 #include "io/input_file.h"
 #include "io/png_file.h"
+#include "io/texture/bmp_masks.h"
+#include "io/texture/chosen_channels.h"
 #include "io/texture/color_maps.h"
 #include "io/texture/image_header.h"
 #include "io/texture/image_length.h"
@@ -58,7 +60,10 @@ public:
             image.bytes = whole();
             remove_metadata(image.bytes, format_);
             if (format_ == "jpeg") check_scans(image.bytes);
-            if (format_ == "tiff") image.orientation = take_tiff_orientation(image.bytes);
+            if (format_ == "tiff") {
+                image.orientation = take_tiff_orientation(image.bytes);
+                check_tiff(pixels_of_tiff(image.bytes));
+            }
             image.reader = format_ == "png" ? open_png(ImageBytes(std::span(std::as_const(image.bytes))), why)
                                             : picture_codec().open(image.bytes, format_, why);
         } else if (has_color_numbers(bytes_, format_)) {
@@ -73,6 +78,10 @@ public:
             check_size(head->width, head->height);
             image.bytes = with_many_values(whole(), *head);
             image.reader = picture_codec().open(image.bytes, format_, why);
+        } else if (has_bmp_order()) {
+            image.bytes = whole();
+            put_in_usual_order(image.bytes, *masks_of_bmp(bytes_));
+            image.reader = picture_codec().open(image.bytes, format_, why);
         } else {
             if (encoded_) image.bytes = *encoded_;
             if (format_ == "openexr")
@@ -85,6 +94,8 @@ public:
         check_spec(image.reader->spec());
         if (format_ == "hdr") image.orientation = radiance_orientation(*image.reader);
         image.has_multiplied_colors = has_multiplied_colors(image);
+        image.has_two_colors = has_two_colors_dds(bytes_);
+        image.reader = with_chosen_channels(std::move(image.reader), channels_of(image));
         return image;
     }
 
@@ -102,7 +113,7 @@ private:
     bool is_read_as_a_whole()
     {
         return format_ == "png" || format_ == "jpeg" || format_ == "tiff" || has_color_numbers(bytes_, format_) ||
-               place_of_multiplied_dds(bytes_) || (format_ == "pnm" && read_head_of_few_values(bytes_));
+               place_of_multiplied_dds(bytes_) || has_bmp_order() || (format_ == "pnm" && read_head_of_few_values(bytes_));
     }
 
     // Few bytes on a disk may be a long file, and what is read takes memory for all of it.
@@ -121,6 +132,8 @@ private:
         if (has_foreign_pixels_dds(bytes_))
             refuse("the DDS file is a cube map or a volume, or its pixels are of a kind that is not read");
         if (has_foreign_compression_bmp(bytes_)) refuse("the image is compressed in a way that is not read");
+        if (const auto masks = masks_of_bmp(bytes_); masks && !are_usual(*masks) && !are_bytes(*masks))
+            refuse("the masks of its colours are not of eight bits each");
         if (format_ == "targa" && has_foreign_color_map_tga(bytes_))
             refuse("the pixels are numbers of colours, of a kind that is not read");
         if (const auto canvas = declared_canvas(bytes_)) check_size(canvas->width, canvas->height);
@@ -172,9 +185,49 @@ private:
     bool has_multiplied_colors(OpenImage& image)
     {
         if (format_ == "openexr") return !TiledFile::keeps_colors_apart(*image.reader);
-        if (format_ == "tiff") return has_multiplied_colors_tiff(image.bytes);
+        if (format_ == "tiff") return pixels_of_tiff(image.bytes).is_multiplied;
         if (format_ == "targa") return has_multiplied_colors_tga(bytes_);
         return place_of_multiplied_dds(bytes_).has_value();
+    }
+
+    // Returns whether a BMP has the bytes of its pixels in an order that the library does not know, but we do.
+    bool has_bmp_order()
+    {
+        const auto masks = masks_of_bmp(bytes_);
+        return masks && !are_usual(*masks) && are_bytes(*masks);
+    }
+
+    void check_tiff(const TiffPixels& pixels) const
+    {
+        if (pixels.bits > 32) refuse("TIFF files of more than 32 bits a sample are not read");
+        if (pixels.kind == TiffPixels::kInks && pixels.samples > 4)
+            refuse("TIFF files of four inks (CMYK) and further samples are not read");
+        if (pixels.kind >= TiffPixels::kLab && pixels.kind <= TiffPixels::kLastLab)
+            refuse("TIFF files with colours in CIELab are not read");
+    }
+
+    // Returns what the file says of its channels. The library takes the second or the fourth for alpha, and inverts values
+    // of which 0 is white only if they have eight bits or fewer.
+    ChannelChoice channels_of(OpenImage& image)
+    {
+        const int count = image.reader->spec().channel_count();
+        ChannelChoice all, without_alpha;
+        without_alpha.channels = count > 2 ? std::vector{0, 1, 2} : std::vector{0};
+        if (format_ == "bmp") {
+            const auto masks = masks_of_bmp(bytes_);
+            return masks && (*masks)[3] == 0 ? without_alpha : all;
+        }
+        if (format_ == "targa") return has_no_alpha_tga(bytes_) ? without_alpha : all;
+        if (format_ != "tiff") return all;
+        const TiffPixels pixels = pixels_of_tiff(image.bytes);
+        if (pixels.kind > TiffPixels::kRgb) return all;
+        ChannelChoice choice;
+        choice.are_inverted = pixels.kind == TiffPixels::kWhiteIsZero && pixels.bits > 8;
+        if (!pixels.alpha && pixels.extra < 2) return choice;
+        for (int c = 0; c < (pixels.kind == TiffPixels::kRgb ? 3 : 1); ++c) choice.channels.push_back(c);
+        if (pixels.alpha) choice.channels.push_back(static_cast<int>(pixels.samples - pixels.extra + *pixels.alpha));
+        else if (pixels.kind == TiffPixels::kRgb) choice.channels.push_back(3);
+        return choice;
     }
 
     Orientation radiance_orientation(const PictureReader& image) const

@@ -31,6 +31,8 @@ struct OpenImage {
     /// Whether the colours are stored multiplied by alpha. A TIFF, TGA or DDS says so, and OpenEXR has that convention; only
     /// files that `occam texture` wrote keep them apart. Samples of whole numbers are multiplied as they are, in sRGB.
     bool has_multiplied_colors = false;
+    /// Whether two channels are red and green, and not grey and alpha.
+    bool has_two_colors = false;
 };
 
 /// Returns whether so many texels are more than an honest file of that size holds: few bytes may declare many texels.

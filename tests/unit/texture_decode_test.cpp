@@ -116,6 +116,20 @@ TEST(TextureDecode, ChannelsOfOpenExrAreWhatTheirNamesSay)
     EXPECT_EQ(texel_of({"N.X", "N.Y", "N.Z"}), Vec4f(0.25f, 0.5f, 0.75f, 1)) << "a vector has three parts";
 }
 
+// Files of renderers have many layers, and none of their channels is lost because others come before it. The library sorts
+// channels by their names, so these are in its order.
+TEST(TextureDecode, ColoursAndAlphaOfOpenExrAreFoundAmongAllChannels)
+{
+    EXPECT_EQ(texel_of({"UV.U", "UV.V", "rgb.R", "rgb.G", "rgb.B"}), Vec4f(0.75f, 1, 1.25f, 1));
+    EXPECT_EQ(texel_of({"Z", "rgb.R", "rgb.G", "rgb.B", "rgb.A"}), Vec4f(Vec3f(0.5f, 0.75f, 1), 1.25f));
+    EXPECT_EQ(texel_of({"A", "Z", "rgb.R", "rgb.G", "rgb.B"}), Vec4f(Vec3f(0.75f, 1, 1.25f) / 0.25f, 0.25f))
+        << "an alpha without a layer is that of the whole file";
+    EXPECT_EQ(texel_of({"R", "G", "B", "mask.A"}), Vec4f(0.25f, 0.5f, 0.75f, 1)) << "a mask is not the alpha of colours";
+    EXPECT_EQ(texel_of({"a.A", "b.R", "b.G", "b.B"}), Vec4f(0.5f, 0.75f, 1, 1));
+    EXPECT_EQ(texel_of({"a.R", "b.R", "b.G", "b.B", "c.R", "c.G", "c.B"}), Vec4f(0.5f, 0.75f, 1, 1))
+        << "colours of one layer belong together";
+}
+
 // Programs that crop what is black write a part of the picture and say where it lies.
 TEST(TextureDecode, ThePictureOfAnOpenExrFileIsItsDisplayWindow)
 {
