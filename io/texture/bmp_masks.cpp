@@ -8,10 +8,10 @@ namespace occam {
 
 namespace {
 
-constexpr BmpMasks kUsual = {0x00ff0000, 0x0000ff00, 0x000000ff, 0xff000000};
-constexpr std::size_t kPixelsAt = 10, kHeader = 14, kBits = 28, kCompression = 30, kMasks = 54;
+constexpr BmpMasks kUsualMasks = {0x00ff0000, 0x0000ff00, 0x000000ff, 0xff000000};
+constexpr std::size_t kBmpPixelsAt = 10, kBmpHeaderAt = 14, kBmpBitsAt = 28, kBmpCompressionAt = 30, kBmpMasksAt = 54;
 
-std::uint32_t number(ImageBytes& bytes, std::uintmax_t at, std::size_t count)
+std::uint32_t little_endian_of(ImageBytes& bytes, std::uintmax_t at, std::size_t count)
 {
     std::array<unsigned char, 4> word{};
     bytes.read(at, std::span(word).first(count));
@@ -23,19 +23,22 @@ std::uint32_t number(ImageBytes& bytes, std::uintmax_t at, std::size_t count)
 std::optional<BmpMasks> masks_of_bmp(ImageBytes& bytes)
 {
     constexpr std::uint32_t kOldestHeader = 12, kHeaderWithAlpha = 56, kByMasks = 3, kByMasksWithAlpha = 6, kMark = 0x4d42;
-    const std::uint32_t header = number(bytes, kHeader, 4), compression = number(bytes, kCompression, 4);
-    if (number(bytes, 0, 2) != kMark || header == kOldestHeader || number(bytes, kBits, 2) != 32) return std::nullopt;
-    BmpMasks masks = kUsual;
+    const std::uint32_t header = little_endian_of(bytes, kBmpHeaderAt, 4),
+                        compression = little_endian_of(bytes, kBmpCompressionAt, 4);
+    if (little_endian_of(bytes, 0, 2) != kMark || header == kOldestHeader || little_endian_of(bytes, kBmpBitsAt, 2) != 32)
+        return std::nullopt;
+    BmpMasks masks = kUsualMasks;
     if (compression == kByMasks || compression == kByMasksWithAlpha)
-        for (std::size_t k = 0; k < 3; ++k) masks[k] = number(bytes, kMasks + 4 * k, 4);
+        for (std::size_t k = 0; k < 3; ++k) masks[k] = little_endian_of(bytes, kBmpMasksAt + 4 * k, 4);
     const bool may_have_alpha = header >= kHeaderWithAlpha || compression == kByMasksWithAlpha;
-    masks[3] = may_have_alpha ? number(bytes, kMasks + 12, 4) : 0;
+    masks[3] = may_have_alpha ? little_endian_of(bytes, kBmpMasksAt + 12, 4) : 0;
     return masks;
 }
 
 bool are_usual(const BmpMasks& masks) noexcept
 {
-    return std::equal(kUsual.begin(), kUsual.begin() + 3, masks.begin()) && (masks[3] == 0 || masks[3] == kUsual[3]);
+    return std::equal(kUsualMasks.begin(), kUsualMasks.begin() + 3, masks.begin()) &&
+           (masks[3] == 0 || masks[3] == kUsualMasks[3]);
 }
 
 bool are_bytes(const BmpMasks& masks) noexcept
@@ -43,7 +46,7 @@ bool are_bytes(const BmpMasks& masks) noexcept
     std::uint32_t all = 0;
     for (std::size_t k = 0; k < masks.size(); ++k) {
         if (k == 3 && masks[k] == 0) continue;
-        if (std::ranges::find(kUsual, masks[k]) == kUsual.end() || (all & masks[k])) return false;
+        if (std::ranges::find(kUsualMasks, masks[k]) == kUsualMasks.end() || (all & masks[k])) return false;
         all |= masks[k];
     }
     return true;
@@ -52,11 +55,12 @@ bool are_bytes(const BmpMasks& masks) noexcept
 void put_in_usual_order(std::vector<std::byte>& file, const BmpMasks& masks)
 {
     const auto at = [&](std::size_t place) { return std::to_integer<std::size_t>(file[place]); };
-    if (file.size() < kMasks) return;
-    std::size_t pixel = at(kPixelsAt) | at(kPixelsAt + 1) << 8 | at(kPixelsAt + 2) << 16 | at(kPixelsAt + 3) << 24;
+    if (file.size() < kBmpMasksAt) return;
+    std::size_t pixel = at(kBmpPixelsAt) | at(kBmpPixelsAt + 1) << 8 | at(kBmpPixelsAt + 2) << 16 |
+                        at(kBmpPixelsAt + 3) << 24;
     std::array<std::size_t, 4> to{}, from{};
     for (std::size_t k = 0; k < 4; ++k) {
-        to[k] = static_cast<std::size_t>(std::countr_zero(kUsual[k])) / 8;
+        to[k] = static_cast<std::size_t>(std::countr_zero(kUsualMasks[k])) / 8;
         from[k] = masks[k] == 0 ? to[k] : static_cast<std::size_t>(std::countr_zero(masks[k])) / 8;
     }
     const std::size_t parts = masks[3] == 0 ? 3 : 4;
