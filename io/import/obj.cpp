@@ -162,10 +162,11 @@ Polygons read_obj(const std::filesystem::path& file, Scene& scene, bool with_mat
     std::string text = read_text(file);
     Polygons polygons;
     polygons.cage.name = file.stem().string();
-    const ObjStatements statements = scan_obj_statements(text, polygons.cage, report);
+    ObjStatements statements = scan_obj_statements(text, polygons.cage, report);
     polygons.is_tagged = statements.is_tagged;
     polygons.has_libraries = !statements.material_libraries.empty();
     polygons.smoothing = statements.smoothing;
+    polygons.far = std::move(statements.far);
     std::optional<std::map<std::string, MaterialId>> materials;
     if (with_materials) materials = read_mtl(statements.material_libraries, scene, report);
 
@@ -186,7 +187,9 @@ Scene load_obj(const std::filesystem::path& file, const LoadOptions& options)
 {
     Scene scene;
     Report report(file, options.strict);
-    add_settled(scene, settle(read_obj(file, scene, true, report), options.subdivide, report));
+    Polygons polygons = read_obj(file, scene, true, report);
+    place_far(polygons);
+    add_settled(scene, settle(std::move(polygons), options.subdivide, report));
     finish(scene, report);
     return scene;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 #include "base/number_in.h"
@@ -144,6 +146,7 @@ public:
             std::string_view rest = line.substr(1);
             check(rest, 3, found_.positions++, found_.positions_not_finite);
             const std::string_view after = rest;
+            if (found_.far.needs_more()) add_exactly(line.substr(1));
             while (true) {
                 const NumberKind more = take_number(rest);
                 if (more == NumberKind::Missing) return after;
@@ -171,6 +174,22 @@ public:
 
 private:
     std::string where() const { return "line " + std::to_string(lines_.number()); }
+
+    void add_exactly(std::string_view numbers)
+    {
+        Words words(numbers);
+        Vec3d position(0);
+        for (int k = 0; k < 3; ++k) {
+            std::string_view word = words.next();
+            if (word.starts_with('+')) word.remove_prefix(1);
+            position[k] = number_in<double>(word).value_or(std::numeric_limits<double>::quiet_NaN());
+        }
+        found_.far.add(position);
+        const bool is_known = std::isfinite(position.x) && std::isfinite(position.y) && std::isfinite(position.z);
+        const bool is_not_finite = !found_.positions_not_finite.empty() &&
+                                   found_.positions_not_finite.back() + 1 == found_.positions;
+        if (!is_known && !is_not_finite) found_.far.drop();
+    }
 
     // needed   how many numbers may not be left out; of texture coordinates the second may
     void check(std::string_view& rest, int needed, std::size_t element, std::vector<std::size_t>& not_finite) const

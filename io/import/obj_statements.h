@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "io/import/far_positions.h"
 #include "io/import/report.h"
 #include "scenegraph/cage.h"
 
@@ -16,6 +17,7 @@ struct ObjStatements {
     /// Vertices (`v`), texture coordinates (`vt`) and normals (`vn`) that have a number which is not finite.
     std::vector<std::size_t> positions_not_finite, uvs_not_finite, normals_not_finite;
     std::size_t positions = 0, uvs = 0, normals = 0, faces = 0, corners = 0;  ///< how many the file has
+    FarPositions far;
     bool is_tagged = false;
 };
 

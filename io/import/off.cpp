@@ -121,21 +121,24 @@ private:
         if (!is_there && !ahead.is_at_end()) is_there = ahead.rest_of_line({}) == 1;
         if (is_there) cursor_.number();
     }
-    float number()
+    double exact_number()
     {
         const auto n = cursor_.number();
         if (!n) refuse(cursor_.why_no_number());
-        return static_cast<float>(*n);
+        return *n;
     }
-    Vec3f vector()
+    float number() { return static_cast<float>(exact_number()); }
+    Vec3d vector()
     {
-        const float x = number(), y = number();
-        return {x, y, number()};
+        const double x = exact_number(), y = exact_number();
+        return {x, y, exact_number()};
     }
     void read_vertex()
     {
-        polygons_.cage.positions.push_back(vector());
-        if (has_normals_) polygons_.normals.push_back(vector());
+        const Vec3d position = vector();
+        polygons_.cage.positions.emplace_back(position);
+        polygons_.far.add(position);
+        if (has_normals_) polygons_.normals.emplace_back(vector());
         if (has_colors_) {
             std::array<std::string_view, 4> words;
             for (std::size_t k = 0; k < parts_of_color_; ++k) words[k] = cursor_.word();

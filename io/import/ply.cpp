@@ -55,7 +55,7 @@ struct Element {
     std::vector<Property> properties;
 };
 
-// Says where a vertex property goes: an index into `Vertex::values`.
+// Says where a vertex property goes: an index into `Fields::values`.
 enum Field { kX, kY, kZ, kNx, kNy, kNz, kU, kV, kRed, kGreen, kBlue, kAlpha, kFields };
 constexpr int kIgnored = -1;
 
@@ -137,7 +137,7 @@ public:
             check_count(element);
             if (element.name == "vertex") read_vertices(element);
             else if (element.name == "face" || element.name == "tristrips") read_faces(element);
-            else skip(element);
+            else skip_element(element);
         }
         const bool is_whole = is_binary_ ? text_.find_first_not_of(" \t\r\n", at_) == std::string_view::npos
                                          : cursor_.is_at_end();
@@ -278,14 +278,17 @@ private:
     {
         for (std::size_t i = property.is_list ? list_length(property) : 1; i > 0; --i) number(property.type);
     }
-    void skip(const Element& element)
+    void skip_element(const Element& element)
     {
+        if (element.name == "multi_texture_vertex" && element.count > 0)
+            report_.warn("texture coordinates of faces are not read");
         for (std::size_t i = 0; i < element.count; ++i)
             for (const Property& property : element.properties) skip(property);
     }
 
     void read_vertices(const Element& element)
     {
+        if (element.count == 0) return;  // what it declares says nothing of the vertices that are there
         Cage& cage = polygons_.cage;
         Fields fields(element);
         const auto& has = fields.has;
@@ -299,6 +302,7 @@ private:
             for (std::size_t p = 0; p < fields.of_property.size(); ++p) read_value(element, p, fields);
             const auto f = [&](Field field) { return static_cast<float>(fields.values[field]); };
             cage.positions.emplace_back(f(kX), f(kY), f(kZ));
+            polygons_.far.add({fields.values[kX], fields.values[kY], fields.values[kZ]});
             if (has_normals) polygons_.normals.emplace_back(f(kNx), f(kNy), f(kNz));
             if (has_uvs) cage.uv_sets[0].values.emplace_back(f(kU), 1 - f(kV));
             if (fields.has_colors) cage.colors.push_back(fields.color());

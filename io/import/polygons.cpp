@@ -161,8 +161,17 @@ Cage triangulate(Polygons polygons, Report& report)
     return out;
 }
 
+void place_far(Polygons& polygons)
+{
+    const Vec3d middle = polygons.far.move(polygons.cage.positions);
+    if (middle != Vec3d(0)) polygons.place = middle;
+}
+
 Settled settle(Polygons polygons, Subdivide subdivide, Report& report)
 {
+    if (polygons.far.loses_shape())
+        report.warn("the vertices are so far from the origin beside their distances that these are rounded", report.name());
+    const Vec3d place = polygons.place;
     constexpr const char* kLoop = "its name says that it is a cage of the Loop scheme, which is not supported";
     bool is_cage = subdivide == Subdivide::On || (subdivide == Subdivide::Auto && polygons.is_tagged);
     const std::optional<Scheme> scheme = scheme_of_name(polygons.cage.name);
@@ -173,12 +182,12 @@ Settled settle(Polygons polygons, Subdivide subdivide, Report& report)
     }
     if (!is_cage) {
         std::string note = note_of_faces(polygons, subdivide);
-        return {triangulate(std::move(polygons), report), std::move(note)};
+        return {triangulate(std::move(polygons), report), std::move(note), place};
     }
     polygons.cage.scheme = *scheme;
     fill_missing_uvs(polygons.cage);
     std::string note = note_of_cage(polygons, subdivide);
-    return {std::move(polygons.cage), std::move(note)};
+    return {std::move(polygons.cage), std::move(note), place};
 }
 
 void add_settled(Scene& scene, Settled settled)
@@ -186,7 +195,7 @@ void add_settled(Scene& scene, Settled settled)
     const std::string name = settled.cage.name;
     if (!settled.note.empty()) scene.notes.push_back(name + ": " + settled.note);
     const CageId id = scene.add(std::move(settled.cage));
-    scene.add_node(scene.root(), {.name = name, .cages = {id}});
+    scene.add_node(scene.root(), {.name = name, .place = {.translation = settled.place}, .cages = {id}});
 }
 
 Scene scene_of(Polygons polygons, const LoadOptions& options, Report& report)
@@ -194,6 +203,7 @@ Scene scene_of(Polygons polygons, const LoadOptions& options, Report& report)
     if (polygons.cage.face_sizes.empty()) throw Error(report.name(), "there is no face in it");
     Scene scene;
     polygons.cage.name = report.file().stem().string();
+    place_far(polygons);
     add_settled(scene, settle(std::move(polygons), options.subdivide, report));
     finish(scene, report);
     return scene;

@@ -1,6 +1,7 @@
 // Polygons as a file gives them, before it is decided whether they are a cage or triangles.
 #pragma once
 
+#include "io/import/far_positions.h"
 #include "io/import/import.h"
 #include "io/import/report.h"
 #include "scenegraph/cage.h"
@@ -17,20 +18,27 @@ struct Polygons {
     std::vector<Vec3f> normals;
     std::vector<std::uint32_t> normal_indices;  ///< one a corner, kNoIndex for none; empty: no normals
     std::vector<std::uint32_t> smoothing;       ///< the smoothing group of each face, 0 for flat; empty: all are flat
+    FarPositions far;                           ///< the positions of a file that gives them in more digits
+    Vec3d place{0};                             ///< where the cage is, after place_far()
     bool is_tagged = false;                     ///< the file says something about subdivision
     bool has_libraries = false;                 ///< the file names libraries of materials, be they read or not
 };
+
+/// Makes the positions relative to the middle of their box, if they are so far from the origin beside its size that floats
+/// lose much of the shape.
+void place_far(Polygons& polygons);
 
 /// Holds what settle() made of polygons, and the line that reports the choice; the line is empty where there was no choice.
 struct Settled {
     Cage cage;
     std::string note;
+    Vec3d place{0};
 };
 
 /// Makes a cage or triangles, as `subdivide` says; Auto makes a cage if there is a subdivision tag. The scheme comes from
 /// the prefix of the cage's name, as for the shapes of OpenSubdiv: `bilinear_` gives Scheme::Bilinear; `loop_` throws Error,
 /// since there is no such scheme here (with Auto it is a warning, and the faces are rendered as they are); every other name
-/// gives Catmull-Clark.
+/// gives Catmull-Clark. Positions that are far from the origin and have not been placed are a warning.
 Settled settle(Polygons polygons, Subdivide subdivide, Report& report);
 /// Adds such a cage to the scene, as a node below its root that has the cage's name.
 void add_settled(Scene& scene, Settled settled);

@@ -88,9 +88,10 @@ Polygons read_ascii(std::string_view text, Report& report)
     constexpr int kClosed = 3;
     Polygons polygons;
     TextCursor cursor(text);
-    if (keyword(cursor) != "solid") throw Error(report.name(), "neither an ascii nor a binary STL, or cut off");
+    if (keyword(cursor) != "solid") throw Error(report.name(), "neither a text STL nor a binary one, unless it is cut off");
     skip_name(cursor);
     Vec3f corners[3];
+    Vec3d exact[3];
     int corner = kClosed;
     bool has_end = false;
     const auto refuse = [&] {
@@ -113,8 +114,11 @@ Polygons read_ascii(std::string_view text, Report& report)
                 throw Error(report.name(), cursor.why_no_number(), "line " + std::to_string(cursor.line()));
             if (!x || corner == kClosed) refuse();
             corners[corner][k] = static_cast<float>(*x);
+            exact[corner][k] = *x;
         }
-        if (++corner == kClosed) add_facet(polygons, corners);
+        if (++corner != kClosed) continue;
+        add_facet(polygons, corners);
+        for (const Vec3d& position : exact) polygons.far.add(position);
     }
     if (corner != kClosed) refuse();
     if (!has_end) report.warn("the text has no endsolid: it may be cut off");
@@ -129,6 +133,7 @@ Scene load_stl(const std::filesystem::path& file, const LoadOptions& options)
     const std::string bytes = read_file(file);
     Polygons polygons = is_binary(bytes, report) ? read_binary(bytes, report) : read_ascii(without_mark(bytes), report);
     if (polygons.cage.positions.size() > 0x7fffffff) throw Error(report.name(), "more than 2^31 vertices");
+    place_far(polygons);
     weld(polygons.cage);
     return scene_of(std::move(polygons), options, report);
 }

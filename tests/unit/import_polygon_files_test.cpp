@@ -109,8 +109,8 @@ TEST(ImportPly, ColoursAreWhatTheirTypeSays)
     }
     const Scene floats = read(colored_ply("float", "255 0 0.5"));
     EXPECT_EQ(only_cage(floats).colors[1], Vec4f(1, 0, 0.5f, 1));
-    EXPECT_TRUE(warns(floats, "vertex colours are not between 0 and 1"));
-    EXPECT_TRUE(warns(read(colored_ply("int", "256 0 0")), "vertex colours are not between 0 and 1"));
+    EXPECT_TRUE(warns(floats, "colours are not between 0 and 1"));
+    EXPECT_TRUE(warns(read(colored_ply("int", "256 0 0")), "colours are not between 0 and 1"));
 }
 
 TEST(ImportPly, FacesMayHaveColours)
@@ -222,7 +222,7 @@ TEST(ImportOff, ColoursWithoutAPointAreBytesIfOneIsAboveOne)
     EXPECT_EQ(color_of(read("0 1 0 1")), Vec4f(0, 1, 0, 1));
     const Scene above = read("255.0 0 0.5 1");
     EXPECT_EQ(color_of(above), Vec4f(1, 0, 0.5f, 1));
-    EXPECT_TRUE(warns(above, "vertex colours are not between 0 and 1"));
+    EXPECT_TRUE(warns(above, "colours are not between 0 and 1"));
     const Scene both = read("0.5 0.5 0.5 1", "1.0 0 0");
     EXPECT_EQ(color_of(both), Vec4f(0.5f, 0.5f, 0.5f, 1));
     EXPECT_TRUE(warns(both, "colours of faces are ignored"));
@@ -371,6 +371,19 @@ TEST(ImportStl, BinaryFilesMayBeginAsTextAndGoOnAfterTheirFacets)
     EXPECT_EQ(only_cage(load(folder.write("a.stl", file + "more"))).face_count(), 1u);
     EXPECT_NE(error_of(folder.write("b.stl", file.substr(0, file.size() - 1))).find("a binary STL that is cut off"),
               std::string::npos);
+}
+
+TEST(ImportPly, ElementsOfTextureCoordinatesAreAWarningAndEmptyOnesSayNothing)
+{
+    const TempFolder folder;
+    const std::string vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n",
+                      faces = "element face 1\nproperty list uchar int vertex_indices\n",
+                      body = "0 0 0 1 0 0 0 1 0 3 0 1 2\n";
+    const std::string textures = "element multi_texture_vertex 1\nproperty float u\nproperty float v\n";
+    EXPECT_TRUE(warns(load(folder.write("m.ply", ply_header("ascii", vertices + faces + textures) + body + "0 1\n")),
+                      "texture coordinates of faces are not read"));
+    const std::string none = "element vertex 0\nproperty float u\nproperty float v\n";
+    EXPECT_EQ(error_of(folder.write("z.ply", ply_header("ascii", none + vertices + faces) + body)), "");
 }
 
 }  // namespace
