@@ -16,7 +16,7 @@ void clamp_colors(std::vector<Vec4f>& colors, Report& report, const std::string&
 {
     const auto is_in_range = [](Vec4f c) { return glm::clamp(c, 0.0f, 1.0f) == c; };
     if (std::all_of(colors.begin(), colors.end(), is_in_range)) return;
-    report.warn("vertex colours are not between 0 and 1", where);
+    report.warn("colours are not between 0 and 1, and become the nearest that are", where);
     for (Vec4f& color : colors) color = glm::clamp(color, 0.0f, 1.0f);
 }
 

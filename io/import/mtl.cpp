@@ -100,9 +100,12 @@ private:
 
     bool read_new(const std::string& name)
     {
-        const auto& [path, is_file] = report_.folder().find(name);
+        std::string form = name;
+        if (!report_.folder().find(form).is_file) std::replace(form.begin(), form.end(), '\\', '/');
+        const auto& [path, is_file] = report_.folder().find(form);
         if (!is_file) return false;
         if (!paths_.insert(*path).second) return true;  // it is there by another name
+        beside_ = form.substr(0, form.rfind('/') + 1);
         report_.add_file(*path);
         const std::string text = prepare_mtl(read_text(*path, kMaxLibraryBytes), name, report_);
         std::map<std::string, int> index;
@@ -120,16 +123,19 @@ private:
         return true;
     }
 
-    // Returns the first place of a file that the name may mean, or else the last one in the folder, if there is one.
+    // Returns the first place of a file that the name may mean, or else the last one in the folder, if there is one. Names
+    // are those of files beside the library, or else beside the scene.
     const Folder::Place& image_place(const std::string& name)
     {
         const Folder::Place* last = nullptr;
         for (std::string form : {name, std::string(without_comment(name))})
             for (int with_slashes = 0; with_slashes < 2; ++with_slashes) {
                 if (with_slashes) std::replace(form.begin(), form.end(), '\\', '/');  // as programs for Windows write them
-                const Folder::Place& place = report_.folder().find(form);
-                if (!last || place.path) last = &place;
-                if (last->is_file) return *last;
+                for (const std::string& folder : {form.starts_with('/') ? std::string() : beside_, std::string()}) {
+                    const Folder::Place& place = report_.folder().find(folder + form);
+                    if (!last || place.path) last = &place;
+                    if (last->is_file) return *last;
+                }
             }
         return *last;
     }
@@ -277,6 +283,7 @@ private:
     std::map<std::pair<std::string, TextureRole>, TextureId> textures_;
     std::map<std::string, bool> is_there_;   ///< the names of libraries so far, and whether each is there
     std::set<std::filesystem::path> paths_;  ///< libraries that have been read, by canonical paths
+    std::string beside_;                     ///< the folder of the library that is read, below that of the scene
     DecodeBudget budget_;
     std::unordered_map<TextureId, bool> is_grey_;  ///< of the images of bump maps so far
 };

@@ -55,7 +55,12 @@ private:
     {
         Words words(line);
         const std::string_view keyword = words.next();
-        if (keyword == "newmtl" && !words.rest().empty()) {
+        if (keyword == "newmtl") {
+            is_nameless_ = words.rest().empty();
+            if (is_nameless_) warn("a material has no name: it is left out");
+        }
+        if (is_nameless_) return;
+        if (keyword == "newmtl") {
             put({keyword, words.rest()});
             for (const std::string_view value : {"Kd -1 -1 -1", "Ni -1", "Pr -1", "Pm -1"}) put({value});
         } else if (is_one_of(keyword, {"Kd", "Ke"})) {
@@ -160,6 +165,7 @@ private:
     Report& report_;
     std::string out_;
     std::size_t line_number_ = 0;
+    bool is_nameless_ = false;  // what is read belongs to a material that nothing can name
 };
 
 }  // namespace

@@ -166,6 +166,10 @@ void TextureSource::State::open(const Texture& texture, DecodeBudget* budget)
     image = open_image(texture.path, texture.encoded.get(), name, kLimits, budget);
     input = image.reader.get();
     places = places_of(image);
+    for (const int c : {places.color[0], places.color[1], places.color[2], places.alpha})
+        if (c >= 0 && input->format() == "openexr" &&
+            input->spec().channel_type(static_cast<std::size_t>(c)) == SampleType::OtherInteger)
+            refuse("channels of whole numbers (UINT) are not read as colours");
     width = input->spec().width, height = input->spec().height;
     if (image.orientation.swaps_axes) std::swap(width, height);
     if (input->format() != "openexr") return;

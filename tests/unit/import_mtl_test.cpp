@@ -1,6 +1,9 @@
 // Tests of the materials of an OBJ, with separate maps for opacity, roughness, metalness and normals.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <string>
+
 #include "scenegraph/scene.h"
 #include "tests/support/import_errors.h"
 #include "tests/support/temp_folder.h"
@@ -236,6 +239,32 @@ TEST(ImportMtl, AnAlphaMapThatIsTheBaseColoursImageIsItsAlpha)
         const Loaded loaded("map_Kd blue.ppm\nmap_d " + name + "\n");
         EXPECT_EQ(loaded.material.alpha_mode, AlphaMode::Blend) << name;
         EXPECT_FALSE(loaded.material.alpha_texture) << name;
+    }
+}
+
+TEST(ImportMtl, AMaterialWithoutANameChangesNoOther)
+{
+    const Loaded loaded("Kd 1 0 0\nnewmtl\nKd 0 1 0\nmap_Kd blue.ppm\n");
+    EXPECT_EQ(loaded.material.base_color, Vec4f(1, 0, 0, 1));
+    EXPECT_FALSE(loaded.material.base_color_texture);
+    EXPECT_TRUE(warns(loaded.scene, "a material has no name: it is left out (m.mtl, line 3)"));
+}
+
+TEST(ImportMtl, ImagesAreSoughtBesideTheirLibrary)
+{
+    for (const std::string name : {"sub/m.mtl", "sub\\m.mtl"}) {
+        const TempFolder folder;
+        std::filesystem::create_directory(folder.path() / "sub");
+        const auto beside = folder.write("sub/t.ppm", texel("\x80\x80\x80"));
+        folder.write("t.ppm", texel("\x80\x80\xff"));
+        const auto above = folder.write("above.ppm", texel("\x80\x80\xff"));
+        folder.write("sub/m.mtl", "newmtl m\nmap_Kd t.ppm\nmap_Ke above.ppm\n");
+        const Scene scene = load(
+            folder.write("o.obj", "mtllib " + name + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n"));
+        EXPECT_TRUE(scene.warnings.empty()) << name;
+        const Material& m = scene.material(test::only_cage(scene).materials.at(0));
+        EXPECT_TRUE(std::filesystem::equivalent(scene.texture(m.base_color_texture.texture).path, beside)) << name;
+        EXPECT_TRUE(std::filesystem::equivalent(scene.texture(m.emission_texture.texture).path, above)) << name;
     }
 }
 
