@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/luminance.h"
+#include "render/light_limit.h"
 #include "render/path_log.h"
 #include "render/shade_point.h"
 #include "render/views.h"
@@ -157,7 +158,7 @@ void Integrator::shade_miss(std::size_t i, SampleResult& result)
         const shade::Environment::Light sky = context_.lights.environment().look_up(ray.direction);
         const float weight = shade::SampleCounts{path.light_samples, path.scatter_samples}.of_scatter(path.density,
                                                                                                       sky.density);
-        const Vec3f light = clamped(path.throughput * sky.radiance * weight, path.bounces);
+        const Vec3f light = limited(path.throughput * sky.radiance * weight, limit(path));
         result.radiance += light;
         if (context_.log) context_.log->added("the environment", light);
         return;
@@ -177,7 +178,7 @@ void Integrator::cross_lights(const Path& path, const accel::Ray& ray, float t_f
         const shade::SampleCounts counts{path.light_samples * expected, path.scatter_samples};
         const float weight = counts.of_scatter(path.density, crossing.density);
         const Vec3f arrives = path.throughput * left_by_body(path.absorption, crossing.distance - start_of(ray));
-        const Vec3f found = clamped(arrives * crossing.radiance * weight, path.bounces);
+        const Vec3f found = limited(arrives * crossing.radiance * weight, limit(path));
         result.radiance += found;
         if (context_.log) context_.log->added("a light that the ray crosses", found);
     };
@@ -229,7 +230,7 @@ void Integrator::add_emission(const Path& path, const accel::SurfaceHit& hit, co
         weight = shade::SampleCounts{path.light_samples, path.scatter_samples}.of_scatter(path.density,
                                                                                           per_area * hit.t * hit.t / cosine);
     }
-    const Vec3f light = clamped(share * surface.emission * weight, path.bounces);
+    const Vec3f light = limited(share * surface.emission * weight, limit(path));
     result.radiance += light;
     if (context_.log) context_.log->added("the emission of the surface", light);
     if (path.is_camera()) result.emitted += luminance(share * surface.emission);
@@ -271,10 +272,13 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     const Vec3f share = path.throughput * surface.opacity;
     Vec3f transmittance = surface.transmittance,
           absorption = surface.is_straight ? surface.absorption_behind(hit.back_side, path.absorption) : path.absorption;
-    Vertex& v = *new (slot.vertex) Vertex{path, ray, hit, sample, surface, share, share, occlusion};
+    Vertex& v = *new (slot.vertex) Vertex{path, ray, hit, sample, surface, share, share, 0, occlusion};
     set_receiver(v);
     const Chances chance = chances(v);
-    if (chance.light > 0 && chance.light < 1) v.lit_share = share / chance.light;
+    if (chance.light > 0) {
+        if (chance.light < 1) v.lit_share = share / chance.light;
+        v.limit = limit(path.bounces + 1, path.stands_for / chance.light);
+    }
 
     if (settings.view != View::Beauty) {
         const float z = static_cast<float>(context_.camera.depth(hit.position, ray.time));
@@ -288,7 +292,7 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
         transmittance = Vec3f(1 - surface.opacity);
         absorption = path.absorption;
     } else if (surface.unlit) {
-        if (!path.is_probe) result.radiance += clamped(share * surface.base_color, path.bounces);
+        if (!path.is_probe) result.radiance += limited(share * surface.base_color, limit(path));
         if (path.is_camera()) result.emitted += luminance(share * surface.base_color);
     } else if (surface.opacity > 0) {
         add_emission(path, hit, surface, share, result);
@@ -316,6 +320,7 @@ bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const P
     if (context_.log) context_.log->passes(passing.light, passing.chance);
     next.throughput *= passing.light / passing.chance;
     next.coverage = passing.coverage / passing.chance;
+    next.stands_for /= passing.chance;
     next.absorption = passing.absorption;
     next.key = child_key(path.key, 0);
     next.passed = static_cast<std::uint16_t>(std::min(path.passed + 1, 0xffff));
@@ -330,6 +335,7 @@ bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const P
         if (context_.sampler.interval(sample.x, sample.y, index, survival) >= chance) return false;
         next.throughput /= chance;
         next.coverage /= chance;
+        next.stands_for /= chance;
         next.straight /= chance;
     }
     paths_[i] = next;

@@ -17,8 +17,8 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstddef>
+#include <limits>
 #include <new>
 #include <span>
 
@@ -151,6 +151,7 @@ private:
         const shade::Surface& surface;
         Vec3f share;      ///< share of the light leaving the surface that reaches the pixel
         Vec3f lit_share;  ///< the same for light that is gathered, which stands for surfaces that are not lit, too
+        float limit;      ///< of such light
         float occlusion;  ///< share of the ambient light at the surface that its occlusion map leaves
         /// shade::peak_density(), set where light is gathered. It decides which lights are left to their own samples here
         /// (shade/direct.h).
@@ -231,14 +232,13 @@ private:
     void cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const;
     void add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,
                       SampleResult& result) const;
-    /// Applies FrameContext::clamp to light that `scatterings` surfaces scattered on its way to the pixel.
-    Vec3f clamped(Vec3f radiance, int scatterings) const noexcept
+    /// Returns the limit (light_limit.h) of light that `scatterings` surfaces scattered, for a path that stands for so many.
+    float limit(int scatterings, float stands_for) const noexcept
     {
-        const float most = context_.clamp;
-        if (!(most > 0) || scatterings < 2) return radiance;
-        const float brightest = std::max({radiance.x, radiance.y, radiance.z});
-        return brightest > most ? radiance * (most / brightest) : radiance;
+        const bool is_limited = context_.clamp > 0 && scatterings >= 2;
+        return is_limited ? context_.clamp * stands_for : std::numeric_limits<float>::infinity();
     }
+    float limit(const Path& path) const noexcept { return limit(path.bounces, path.stands_for); }
     void record_first(const accel::Ray& ray, const accel::SurfaceHit& hit, const shade::Surface& surface, float occlusion,
                       float covered, SampleResult& result) const;
     Vec2f motion_of(const accel::Ray& ray, const accel::SurfaceHit& hit) const;
@@ -307,7 +307,7 @@ private:
     /// spread   of its footprint
     OCCAM_ALWAYS_INLINE void shoot(const Vertex& v, const shade::ShadowTest& test, Vec3f light, float spread)
     {
-        accel::Ray& ray = shadows_.add(v.path.sample, light);
+        accel::Ray& ray = shadows_.add(v.path.sample, light, v.limit);
         ray.origin = test.origin;
         ray.direction = test.direction;
         ray.t_far = test.t_far;

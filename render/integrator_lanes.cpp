@@ -68,7 +68,7 @@ void Integrator::shade_waiting()
             if ((t.not_black >> k & 1) == 0) continue;
             const Vec3f direction = t.directions.vector(k), radiance = t.radiances.vector(k);
             shoot(of, {of.start, direction, t.directions.number(k), radiance, t.radiances.number(k)},
-                  clamped(radiance * of.lit_share, of.path.bounces + 1), t.spread.of[k]);
+                  radiance * of.lit_share, t.spread.of[k]);
         }
         if (is_scattered[k] && (samples.not_black >> k & 1) != 0)
             follow(of, samples.at(k, of.surface), {0, 1, 1}, sees_sky ? &skies[k] : nullptr);

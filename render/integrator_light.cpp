@@ -4,6 +4,7 @@
 
 #include "base/prefetch.h"
 #include "render/integrator.h"
+#include "render/light_limit.h"
 #include "render/path_log.h"
 #include "shade/footprints.h"
 
@@ -86,11 +87,11 @@ void Integrator::test(const Vertex& v, const shade::ShadowTest& test, Vec3f shar
 {
     if (is_black(test.radiance)) return;
     const Vec3f absorption = absorption_along(v, test.direction), left = left_by_body(absorption, test.t_far);
-    const Vec3f light = clamped(test.radiance * share * left, v.path.bounces + 1);
-    if (context_.log) context_.log->light_sample(test.direction, test.t_far, light);
+    const Vec3f light = test.radiance * share * left;
+    if (context_.log) context_.log->light_sample(test.direction, test.t_far, limited(light, v.limit));
     const auto of_pixel = static_cast<float>(samples * context_.settings.spp);
     shoot(v, test, light, shade::light_spread(v.width, test.t_far, test.density, of_pixel));
-    if (absorption != Vec3f(0)) shadows_.starts_in_body(absorption, clamped(test.radiance * share, v.path.bounces + 1));
+    if (absorption != Vec3f(0)) shadows_.starts_in_body(absorption, test.radiance * share);
 }
 
 void Integrator::gather_and_scatter(Vertex& v, const Chances& chance)
@@ -211,7 +212,7 @@ void Integrator::gather_sky(const Vertex& v)
         if (!(glm::dot(direction, v.surface.normal_geometric) > 0)) continue;
         const Vec3f light = v.lit_share * (v.occlusion / static_cast<float>(samples));
         if (context_.log) context_.log->light_sample(direction, reach, light);
-        accel::Ray& ray = shadows_.add(v.path.sample, light);
+        accel::Ray& ray = shadows_.add(v.path.sample, light, v.limit);
         ray.origin = v.surface.start(direction);
         ray.direction = direction;
         ray.start_level = v.hit.start_level;
@@ -288,6 +289,7 @@ void Integrator::follow(const Vertex& v, const shade::ScatterSample& s, const Sc
     next.light_samples = static_cast<float>(light_samples_at(v.path));
     next.scatter_samples = static_cast<float>(number.samples);
     next.is_before_focus = false;
+    next.stands_for = v.path.stands_for / number.chance;
     next.passed = 0;
     next.straight = 1;
     ++next.bounces;
@@ -317,11 +319,10 @@ void Integrator::look_for_light(const Path& next, const accel::Ray& ray, const s
     // Lights without a surface and the sky need no hit: the ray is occluded or not.
     const auto add = [&](float t_far, Vec3f radiance) {
         const Vec3f left = left_by_body(next.absorption, t_far);
-        const Vec3f reaches = clamped(next.throughput * left * radiance, next.bounces);
-        const Vec3f unabsorbed = clamped(next.throughput * radiance, next.bounces);
+        const Vec3f reaches = next.throughput * left * radiance, unabsorbed = next.throughput * radiance;
         if (is_black(unabsorbed)) return;
-        if (context_.log) context_.log->light_sample(ray.direction, t_far, reaches);
-        accel::Ray& shadow = shadows_.add(next.sample, reaches);
+        if (context_.log) context_.log->light_sample(ray.direction, t_far, limited(reaches, limit(next)));
+        accel::Ray& shadow = shadows_.add(next.sample, reaches, limit(next));
         shadow = ray;
         shadow.t_far = t_far;
         if (next.absorption != Vec3f(0)) shadows_.starts_in_body(next.absorption, unabsorbed);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/hash.h"
+#include "render/light_limit.h"
 #include "render/shade_point.h"
 #include "shade/surface.h"
 
@@ -115,6 +116,7 @@ bool ShadowQueue::passes(Blocked& of, accel::Ray& ray, const accel::SurfaceHit& 
         return false;
     }
     shadow.radiance *= chance < 1 ? transmittance / chance : transmittance;
+    shadow.limit /= chance;
     of.share = share / chance;
     return true;
 }
@@ -126,7 +128,7 @@ void ShadowQueue::end(const Blocked& of, const accel::Ray& ray)
 
 void ShadowQueue::add_light(std::span<Vec3f> sums)
 {
-    for (const Shadow& s : shadows_) sums[s.sample] += s.radiance;
+    for (const Shadow& s : shadows_) sums[s.sample] += limited(s.radiance, s.limit);
 }
 
 }  // namespace occam::render

@@ -57,12 +57,16 @@ public:
     void clear() noexcept;
     /// Adds a ray, which the caller fills in. trace() adds `radiance` to sums[sample], times the transmittance along the
     /// ray.
-    accel::Ray& add(std::uint32_t sample, Vec3f radiance)
+    /// limit   of what is added, in the brightest channel. A ray that chance lets continue stands for those that it ended,
+    /// and
+    ///         may bring as much as all of them.
+    accel::Ray& add(std::uint32_t sample, Vec3f radiance, float limit)
     {
         // They are written where they stay, since reading whole what was just written in parts would wait.
         Shadow& shadow = shadows_.emplace_back();
         shadow.sample = sample;
         shadow.radiance = radiance;
+        shadow.limit = limit;
         accel::Ray& ray = rays_.emplace_back();
         ray.kinds = accel::RayKind::Shadow;
         return ray;
@@ -76,7 +80,9 @@ public:
     }
 
     /// Traces all rays and adds their radiance. Returns how many were shot. See Integrator::run for Tracer.
-    /// luck   a random number in [0, 1) for each sample, which decides with the ray's direction how the ray ends
+    /// luck   a random number in [0, 1) for each sample, which decides with the ray's direction and the place where it
+    /// starts how
+    ///        the ray ends
     template <class Tracer>
     std::uint64_t trace(Tracer& tracer, std::span<Vec3f> sums, std::span<const float> luck)
     {
@@ -95,6 +101,7 @@ private:
     struct Shadow {
         std::uint32_t sample = 0;
         Vec3f radiance{0};
+        float limit = 0;
     };
     /// Describes a shadow ray that starts in a body: see starts_in_body().
     struct Start {
