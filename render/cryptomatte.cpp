@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdio>
 #include <map>
 
@@ -104,16 +105,22 @@ std::string_view matte_name(const Material& material) noexcept
 void MatteSums::add(float id, double coverage)
 {
     const auto known = std::find_if(shares_.begin(), shares_.end(), [&](const Share& s) { return s.id == id; });
+    const auto mass = static_cast<float>(std::abs(coverage));
     if (known != shares_.end()) {
+        known->mass += mass;
         known->coverage += coverage;
         return;
     }
-    if (shares_.size() < kMostIds) {
-        shares_.push_back({id, coverage});
-        return;
-    }
-    const auto least = std::ranges::min_element(shares_, {}, &Share::coverage);
-    if (coverage > least->coverage) *least = {id, coverage};
+    if (restore({id, mass, coverage})) return;
+    const auto least = std::ranges::min_element(shares_, {}, &Share::mass);
+    *least = {id, least->mass + mass, coverage};
+}
+
+bool MatteSums::restore(const Share& share)
+{
+    if (shares_.size() == kMostIds) return false;
+    shares_.push_back(share);
+    return true;
 }
 
 void MatteSums::rank(double weight, float (&out)[2 * kMatteRanks])

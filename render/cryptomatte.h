@@ -34,25 +34,30 @@ struct MatteShare {
     float coverage = 0;
 };
 
-/// Sums the ids of one pixel. The sums depend only on the order of the samples.
+/// Sums the ids of one pixel. The sums depend only on the order of the samples and of the surfaces of each.
 ///
-/// A pixel keeps at most kMostIds of them, of which the largest coverages are written: where it has more, an id gives way to
-/// a new one that covers more.
+/// A pixel keeps at most kMostIds of them, of which the largest coverages are written. Where it has more, a new id takes the
+/// place and the mass of the one with the least (Metwally et al. 2005, "Efficient computation of frequent and top-k elements
+/// in data streams"). So each id with more than 1 / kMostIds of the mass of all is kept in the end, however late it comes,
+/// and what is missing of its coverage is no more than that.
 class MatteSums {
 public:
     static constexpr std::size_t kMostIds = 64;
 
     void clear() noexcept { shares_.clear(); }
     void add(float id, double coverage);
+    struct Share {
+        float id;
+        float mass;       ///< what it covers without the signs of weights, and the mass of those whose places it took
+        double coverage;  ///< since it has its place
+    };
+    /// Adds an id of sums that were kept, in their order. Returns false if there are too many.
+    bool restore(const Share& share);
     /// Writes id and coverage of each rank, the largest coverage first (then the id with the smaller bits), and zeros
     /// where there are fewer. Overwrites the order in which shares were added.
     /// weight   of all samples of the pixel
     void rank(double weight, float (&out)[2 * kMatteRanks]);
 
-    struct Share {
-        float id;
-        double coverage;
-    };
     const std::vector<Share>& shares() const noexcept { return shares_; }
 
 private:

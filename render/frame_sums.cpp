@@ -11,7 +11,7 @@
 namespace occam::render {
 namespace {
 
-constexpr std::string_view kMagic = "Occam checkpoint 4\n";
+constexpr std::string_view kMagic = "Occam checkpoint 5\n";
 
 std::size_t tile_count(const PixelRect& area)
 {
@@ -159,6 +159,7 @@ std::string FrameSums::checkpoint(std::uint64_t scene_hash) const
             out.add(static_cast<std::uint32_t>(pixel.shares().size()));
             for (const MatteSums::Share& share : pixel.shares()) {
                 out.add(share.id);
+                out.add(share.mass);
                 out.add(share.coverage);
             }
         }
@@ -187,7 +188,8 @@ void FrameSums::restore(std::string_view checkpoint, std::uint64_t scene_hash)
         for (MatteSums& pixel : mattes)
             for (std::uint32_t left = in.next<std::uint32_t>(); left > 0; --left) {
                 const auto id = in.next<float>();
-                pixel.add(id, in.next<double>());
+                const auto mass = in.next<float>();
+                if (!pixel.restore({id, mass, in.next<double>()})) refuse("holds too many names of a pixel");
             }
     if (!in.is_at_end()) refuse("is longer than this picture's");
 }

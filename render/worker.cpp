@@ -240,6 +240,9 @@ bool Worker::trace(int first, int last)
     }
     const Stopwatch watch(film_seconds_);
     for (std::size_t i = 0; i < samples_.size(); ++i) sums_[going_[i / per_pixel]].add(results_[i]);
+    // They came in the order in which they were shaded, which depends on the size of the batch: first the first surfaces of
+    // many samples, and then the second ones.
+    std::ranges::stable_sort(matte_shares_, {}, &MatteShare::sample);
     for (const MatteShare& share : matte_shares_) {
         const double covers = double(share.coverage) * double(results_[share.sample].weight);
         for (int k : {0, 1})

@@ -56,6 +56,29 @@ TEST(Cryptomatte, OfVeryManyIdsKeepsTheLargestAndLittleMemory)
     for (int i = 0; i < 6; ++i) EXPECT_EQ(ranks[2 * i], 0.1f * float(6 - i)) << i;
 }
 
+// A name that only the second half of the samples show, each after 64 others, is found, whatever the filter's signs: what is
+// missing of it is less than a 64th.
+TEST(Cryptomatte, ALateNameIsKeptByWhatItCovers)
+{
+    for (const bool has_signs : {false, true}) {
+        render::MatteSums sums;
+        double weight = 0;
+        for (int sample = 0; sample < 64; ++sample) {
+            const double sign = has_signs && sample % 4 == 3 ? -1 : 1;
+            for (int i = 0; i < 64; ++i) sums.add(10.0f + float(i), sign * 0.0145);
+            sums.add(1.0f, sign * 0.0002);
+            if (sample >= 32) sums.add(5.0f, sign * 2 * 0.0718);
+            weight += sign;
+        }
+        EXPECT_EQ(sums.shares().size(), render::MatteSums::kMostIds);
+        float ranks[2 * render::kMatteRanks];
+        sums.rank(weight, ranks);
+        EXPECT_EQ(ranks[0], 5.0f);
+        EXPECT_LE(ranks[1], 0.0718f + 1e-6f);
+        EXPECT_GT(ranks[1], 0.0718f - 1 / 64.0f);
+    }
+}
+
 // Holds a floor that fills the picture, and in front of its left half a pane with an opacity of a quarter.
 struct Panes {
     Scene scene;
@@ -158,6 +181,62 @@ TEST(Cryptomatte, ManifestsTellNamesApartThatAreNoUtf8)
     expect_id("M\xc3\xbcll", with_u);
     expect_id("M\xc3\xb6ll", with_o);
     expect_id("M\xc3\xa4ll", utf8);
+}
+
+// Behind 64 veils with names of their own and many that repeat a name lies a wall that covers more than any of them. The
+// surfaces of a sample are shaded one after the other, those of many samples at once.
+TEST(Cryptomatte, IsTheSameForAnyBatchesWhereAPixelShowsVeryManyNames)
+{
+    constexpr int kVeils = 64;
+    constexpr float kEach = 0.0145f;
+    Scene scene;
+    const auto add = [&](const std::string& name, float opacity, double z) {
+        Material m;
+        m.name = name;
+        m.base_color.w = opacity;
+        m.alpha_mode = opacity < 1 ? AlphaMode::Blend : AlphaMode::Opaque;
+        Cage cage = unit_square();
+        cage.materials = {scene.add(m)};
+        NodeDesc desc;
+        desc.name = name;
+        desc.place.translation = {-4, -4, z};
+        desc.place.scale = Vec3d(8);
+        desc.cages = {scene.add(std::move(cage))};
+        scene.add_node(scene.root(), desc);
+    };
+    for (int i = 0; i < kVeils; ++i) add("veil " + std::to_string(i), kEach / (1 - kEach * float(i)), -0.01 * i);
+    for (int i = 0; i < 40; ++i) add("veil 0", 0.0002f, -0.01 * (kVeils + i));
+    add("wall", 1, -2);
+    const Camera camera = Camera::look_at({0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 0.5f);
+    Settings settings{.width = 8, .height = 8, .spp = 16, .integrator = IntegratorKind::Direct, .bounces = 0};
+    settings.aovs = Aov::CryptomatteObject | Aov::CryptomatteMaterial;
+    const Image first = Renderer({.threads = 1}).render(scene, camera, settings);
+    const auto wall = std::bit_cast<std::uint32_t>(render::matte_id("wall"));
+    for (const std::size_t pixel : {0u, 27u, 63u}) {
+        const float covers = coverages(first, "CryptoObject", pixel)[wall];
+        EXPECT_LE(covers, 1 - kVeils * kEach);
+        EXPECT_GT(covers, 1 - kVeils * kEach - 1 / 64.0f);
+    }
+    const auto expect_same = [&](const Image& image, const char* what) {
+        for (const Layer& layer : first.layers()) EXPECT_TRUE(layer.pixels == image.find(layer.name)->pixels) << what;
+    };
+    const std::size_t least = Renderer({.threads = 1}).memory_floor(scene) + (1 << 20);
+    expect_same(Renderer({.threads = 1, .memory_bytes = least}).render(scene, camera, settings), "least memory");
+    settings.progressive = true;
+    expect_same(Renderer({.threads = 1}).render(scene, camera, settings), "rounds");
+    std::string checkpoint;
+    Image stopped;
+    for (double seconds = 0.05;; seconds *= 1.5) {
+        settings.deadline_s = seconds;
+        Renderer renderer({.threads = 1});
+        Job job = renderer.start(scene, camera, settings, std::move(checkpoint));
+        job.wait();
+        checkpoint = job.checkpoint();
+        if (!checkpoint.empty()) continue;
+        stopped = job.image();
+        break;
+    }
+    expect_same(stopped, "stopped and resumed");
 }
 
 TEST(Cryptomatte, IsTheSameForAnyNumberOfThreads)
