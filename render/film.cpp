@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 
 #include "base/luminance.h"
@@ -125,7 +126,7 @@ void PixelSums::write(Aov aov, float* to) const noexcept
 
 float PixelSums::variance() const noexcept
 {
-    if (count_ < 2 || !(weight_ > 0)) return 0;
+    if (count_ < 2 || !(weight_ > 0)) return std::numeric_limits<float>::infinity();
     // The mean is one of sums, that of the weighted luminances over that of the weights. To the first order the deviations
     // of the samples from it make its variance; their weights are 1 or -1, so the weights' squares are 1.
     const double n = count_, aside = luminance_ / n - luminance(Vec3d(beauty_)) / weight_;
@@ -135,8 +136,9 @@ float PixelSums::variance() const noexcept
 
 float PixelSums::relative_error() const noexcept
 {
-    if (count_ < 2 || !(weight_ > 0)) return std::numeric_limits<float>::infinity();
-    return std::sqrt(variance()) / std::max(static_cast<float>(luminance(Vec3d(beauty_)) / weight_), kDarkest);
+    const float of_mean = variance();
+    if (!std::isfinite(of_mean)) return std::numeric_limits<float>::infinity();
+    return std::sqrt(of_mean) / std::max(static_cast<float>(luminance(Vec3d(beauty_)) / weight_), kDarkest);
 }
 
 Film::Film(const Settings& settings)

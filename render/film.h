@@ -2,8 +2,8 @@
 //
 // The samples of a pixel are added by one worker, in their order and in double, so the sums have the same bits in every
 // run. Colour layers, normal_mean and occlusion are means with the weights of the reconstruction filter. Depth, normals,
-// uv, position and id are those of the one sample nearest to the middle of the pixel, because the mean of two depths lies
-// on no surface.
+// uv, position, id and motion are those of the one sample nearest to the middle of the pixel, because the mean of two depths
+// lies on no surface.
 #pragma once
 
 #include <limits>
@@ -47,7 +47,8 @@ public:
     Vec4f albedo() const noexcept;
     Vec3f normal() const noexcept;
     float occlusion() const noexcept;
-    float variance() const noexcept;  ///< variance of the mean of the luminance
+    /// Returns the variance of the mean of the luminance: infinity if too few samples tell it.
+    float variance() const noexcept;
     /// Returns the estimated standard error of the mean luminance, divided by that mean. For dark pixels the divisor is
     /// kDarkest, so that invisible noise asks for no samples. The estimate comes from the sample variance, so it knows
     /// nothing of light that no sample has found yet.

@@ -54,7 +54,12 @@ TEST(Film, VarianceIsThatOfTheMean)
     PixelSums sums;
     for (float value : {1.0f, 2.0f, 3.0f, 6.0f}) sums.add(at(grey(value, 1), {0.5f, 0.5f}));
     EXPECT_NEAR(sums.variance(), 14.0 / 12, 1e-6);
-    EXPECT_EQ(PixelSums().variance(), 0);
+    // One sample says nothing of how far it is off, and readers take 0 for a clean pixel.
+    sums = PixelSums();
+    EXPECT_EQ(sums.variance(), std::numeric_limits<float>::infinity());
+    sums.add(at(grey(1, 1), {0.5f, 0.5f}));
+    EXPECT_EQ(sums.variance(), std::numeric_limits<float>::infinity());
+    EXPECT_EQ(sums.relative_error(), std::numeric_limits<float>::infinity());
 }
 
 TEST(Film, ARadianceThatIsNotFiniteCountsAsBlack)
