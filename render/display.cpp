@@ -108,7 +108,7 @@ float automatic_exposure(const Image& image)
     return std::clamp(maths::log2(kBrightest) - *bright, 0.0f, std::min(-off - kFreeStops, kMostStops));
 }
 
-DisplayImage display_image(const Image& image, const WriteOptions& options)
+DisplayImage display_image(const Image& image, const WriteOptions& options, float most)
 {
     DisplayImage out;
     const Layer* beauty = image.find("beauty");
@@ -116,8 +116,10 @@ DisplayImage display_image(const Image& image, const WriteOptions& options)
     const auto colors = beauty ? color_channels(*beauty) : std::nullopt;
     if (!colors) throw error_without_file(beauty ? why_without_colors(*beauty) : "there is no layer beauty", "image");
     const std::size_t from = beauty->channel_count();
+    // Sums of the coverages of several surfaces may come to a little less than 1.
+    const float opaque = 1 - 0.5f / most;
     for (std::size_t i = 0; colors->alpha && i < pixels && out.channels == 3; ++i)
-        if (beauty->pixels[i * from + *colors->alpha] < 1) out.channels = 4;
+        if (beauty->pixels[i * from + *colors->alpha] < opaque) out.channels = 4;
 
     const float gain = maths::exp2(options.exposure_ev ? *options.exposure_ev : automatic_exposure(image));
     const Tonemap tonemap = image.is_light || options.tonemap == Tonemap::None ? options.tonemap : Tonemap::Srgb;

@@ -18,7 +18,8 @@ struct DisplayImage {
     std::vector<float> pixels;
 };
 /// Throws Error if the picture has no layer beauty, or that has no colours (color_channels()).
-DisplayImage display_image(const Image& image, const WriteOptions& options);
+/// most   the integer that the file has for an alpha of 1. A pixel whose alpha rounds to it is not transparent.
+DisplayImage display_image(const Image& image, const WriteOptions& options, float most = 255);
 
 /// Returns the stops that bring a picture's log-average luminance (Reinhard et al. 2002, "Photographic tone reproduction
 /// for digital images", sec. 3) to within one stop of 0.25.

@@ -160,7 +160,7 @@ struct DisplayFile {
 
 void write_with_codec(const Image& image, const fs::path& file, const WriteOptions& options, const DisplayFile& of_format)
 {
-    DisplayImage shown = display_image(image, options);
+    DisplayImage shown = display_image(image, options, of_format.type == SampleType::Word ? 65535 : 255);
     if (!of_format.has_alpha && shown.channels == 4) {  // the picture is laid over black
         std::vector<float> opaque;
         for (std::size_t i = 0; i < shown.pixels.size(); i += 4)
