@@ -15,8 +15,8 @@ public:
 
     struct Progress {
         Stage stage = Stage::Waiting;
-        /// Share of the samples that are done, or made for tiles that are not finished. Of a frame that was stopped it
-        /// stays below 1, without those: Stage::Done says that it ended.
+        /// Share of the samples that are done, or made for tiles that are not finished. After a frame was stopped it counts
+        /// only those that are done and stays below 1: Stage::Done says that the frame ended.
         double fraction = 0;
         double seconds_left = -1;  ///< an estimate from the samples so far; below 0: unknown
     };

@@ -282,9 +282,9 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
 
     if (settings.view != View::Beauty) {
         const float z = static_cast<float>(context_.camera.depth(hit.position, ray.time));
-        result.radiance += share * (shows_cost_
-                                        ? cost_color(settings.view, costs_[i - first_of_chunk_])
-                                        : view_color(settings.view, hit, z, context_.depth_near, context_.depth_far));
+        result.radiance += share * (shows_cost_ ? cost_color(settings.view, costs_[i - first_of_chunk_])
+                                                : view_color(settings.view, hit, z, context_.depth_near, context_.depth_far,
+                                                             context_.scene));
         transmittance = Vec3f(1 - surface.opacity);
         absorption = path.absorption;
     } else if (surface.opacity > 0 && settings.integrator == IntegratorKind::Ao) {

@@ -13,8 +13,9 @@
 namespace occam::render {
 
 /// Says which channels of a layer are its colours. R, G and B are, in any order and beside any others. A layer without them
-/// is grey if it has the luminance Y, or a single channel of any name beside A. Y is no luminance beside X or one of the
-/// colours, and not the whole one beside its differences RY and BY. No channel but A is alpha.
+/// is grey if it has the luminance Y, or a single channel of any name beside A. Y does not count as a luminance if there is
+/// a channel X or one of the colours, nor if there are RY and BY, which hold the rest of a colour. No channel but A is
+/// alpha.
 struct ColorChannels {
     std::array<std::size_t, 3> rgb{};  ///< all the same in a grey layer
     std::optional<std::size_t> alpha{};

@@ -25,7 +25,8 @@ constexpr std::size_t kBytesOfARay = 2 * (sizeof(Path) + sizeof(accel::Ray)) + s
 constexpr std::size_t kBytesOfAShadowRay = sizeof(accel::Ray) + 5 * sizeof(Vec4f) + accel::kBytesOfABatchedRay;
 constexpr std::size_t queue_bytes(int rays) { return std::size_t(rays) * (kBytesOfARay + kShadowRays * kBytesOfAShadowRay); }
 
-// Both are in the units of --memory: what is needed is rounded up, and what there is down, so that it looks like less.
+// Both are in the units of --memory. What is needed is rounded up and what is given is rounded down, so that an error never
+// shows two equal numbers.
 std::string needed(std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + "M"; }
 std::string given(std::size_t bytes)
 {

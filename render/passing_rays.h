@@ -15,7 +15,7 @@
 
 namespace occam::render {
 
-/// Of            what is known of a ray
+/// Of            type of what is known of a ray
 /// kHitsAtOnce   how many hits of all rays are found together
 template <class Of, std::size_t kHitsAtOnce>
 class PassingRays {

@@ -52,6 +52,7 @@ std::string text_of(const SettingRow& row, const Settings& settings)
             const T value = settings.*member;
             if constexpr (std::is_enum_v<T>) return std::string(name_of(value));
             else if constexpr (std::is_same_v<T, bool>) return value ? "on" : "off";
+            else if constexpr (std::is_integral_v<T>) return std::to_string(value);
             else return text_of(static_cast<double>(value));
         },
         row.member);

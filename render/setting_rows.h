@@ -117,7 +117,7 @@ inline constexpr SettingRow kSettings[] = {
 std::string option_of(const SettingRow& row);
 /// Returns "from 1 to 65536", "0 or more" and the like, or nothing for a setting that is no number.
 std::string range_of(const SettingRow& row);
-/// Returns the value of a setting as text, as statistics have it.
+/// Returns the value of a setting as text: integers exactly, and other numbers with nine digits.
 std::string text_of(const SettingRow& row, const Settings& settings);
 /// Returns what the help says of the default.
 std::string default_of(const SettingRow& row);

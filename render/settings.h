@@ -31,12 +31,12 @@ inline constexpr ViewRow kViews[] = {
     {View::Blend, "blend", "black where the finer level of the pair is seen, white where the coarser one is"},
     {View::Grid, "grid", "a colour for each micropolygon"},
     {View::KdSteps, "kd_steps",
-     "nodes of the tree that the camera ray enters: black 0, red 9, orange 101, white 1023 or more", true},
+     "nodes of the tree that the camera ray enters: black 0, red 9, yellow 101, white 1023 or more", true},
     {View::Tests, "tests",
-     "triangles that the camera ray is tested against: black 0, red 15, orange 255, white 4095 or more", true},
+     "triangles that the camera ray is tested against: black 0, red 15, yellow 255, white 4095 or more", true},
     {View::Reuse, "reuse",
      "white where the grids that the camera ray meets existed before, black where it builds them; blue: none", true},
-    {View::Time, "time", "time that the camera ray takes: black 0, red 9, orange 101, white 1023 microseconds or more",
+    {View::Time, "time", "time that the camera ray takes: black 0, red 9, yellow 101, white 1023 microseconds or more",
      true},
 };
 /// Returns whether a view shows what camera rays cost. Such pictures differ from run to run: what a ray costs depends on
@@ -106,8 +106,8 @@ struct Settings {
     double deadline_s = 0;
     /// The frame is made in rounds of 1, 1, 2, 4, 8, ... samples a pixel, so that a frame that stops early is a picture of
     /// few samples, and can go on later. Costs 64 to 200 bytes a pixel, and up to 1 KB more for each Cryptomatte layer,
-    /// beyond Resources::memory_bytes; a frame for which the machine has too little memory is refused. A deadline implies
-    /// it.
+    /// beyond Resources::memory_bytes (see render/frame_sums.h); a frame for which the machine has too little memory is
+    /// refused. A deadline implies it.
     bool progressive = false;
     AovSet aovs{};
     View view = View::Beauty;

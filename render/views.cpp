@@ -16,12 +16,21 @@ Vec3f color_of_number(std::uint64_t number) noexcept
     return {channel(0), channel(8), channel(16)};
 }
 
-// Returns the colour of a count on a scale of powers of two, which rises from black over red, orange and yellow to white at
+// Returns the colour of a count on a scale of powers of two, which rises from black over red and yellow to white at
 // 2^doublings - 1.
 Vec3f heat_of(float count, float doublings) noexcept
 {
     const float x = 3 * std::min(maths::log2(1 + count) / doublings, 1.0f);
     return {std::min(x, 1.0f), std::clamp(x - 1, 0.0f, 1.0f), std::clamp(x - 2, 0.0f, 1.0f)};
+}
+
+// Returns a number that is 0 for the first cage of a node, and another one for each of the others.
+std::uint64_t number_of_cage(const accel::SurfaceHit& hit, const Scene* scene) noexcept
+{
+    const Node* node = scene ? scene->find(hit.node) : nullptr;
+    if (!node) return 0;
+    const auto place = std::find(node->cages.begin(), node->cages.end(), hit.cage) - node->cages.begin();
+    return place > 0 ? mix_bits(static_cast<std::uint64_t>(place)) : 0;
 }
 
 }  // namespace
@@ -51,7 +60,7 @@ Vec3f cost_color(View view, const accel::RayCost& cost) noexcept
     return Vec3f(0);
 }
 
-Vec3f view_color(View view, const accel::SurfaceHit& hit, float z, float z_near, float z_far) noexcept
+Vec3f view_color(View view, const accel::SurfaceHit& hit, float z, float z_near, float z_far, const Scene* scene) noexcept
 {
     switch (view) {
         case View::Beauty:
@@ -67,7 +76,7 @@ Vec3f view_color(View view, const accel::SurfaceHit& hit, float z, float z_near,
         case View::Uv:
             return {hit.uv[0].x - std::floor(hit.uv[0].x), hit.uv[0].y - std::floor(hit.uv[0].y), 0};
         case View::Face:
-            return color_of_number((std::uint64_t(hit.node.slot) << 32) | hit.face);
+            return color_of_number(((std::uint64_t(hit.node.slot) << 32) | hit.face) ^ number_of_cage(hit, scene));
         case View::Level:
             return color_of_number(static_cast<std::uint64_t>(hit.level + 128)) * (1 - 0.5f * hit.blend);
         case View::Blend:

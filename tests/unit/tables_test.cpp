@@ -110,6 +110,9 @@ TEST(Tables, SettingsAreWrittenAsTheyDifferFromTheUsualOnes)
     out << Settings{
         .width = 64, .height = 36, .spp = 4, .integrator = IntegratorKind::Ao, .view = View::Level, .back_faces = false};
     EXPECT_EQ(out.str(), "64x36, spp 4, back_faces off, view level, integrator ao");
+    std::ostringstream of_seed;
+    of_seed << Settings{.seed = 12345678901234567890u};
+    EXPECT_NE(of_seed.str().find("seed 12345678901234567890"), std::string::npos) << of_seed.str();
 }
 
 TEST(Tables, EveryFormatViewAndLayerIsInTheDocumentation)
