@@ -289,8 +289,6 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
         absorption = path.absorption;
     } else if (surface.opacity > 0 && settings.integrator == IntegratorKind::Ao) {
         if (chance.light > 0) gather_sky(v);
-        transmittance = Vec3f(1 - surface.opacity);
-        absorption = path.absorption;
     } else if (surface.unlit) {
         if (!path.is_probe) result.radiance += limited(share * surface.base_color, limit(path));
         if (path.is_camera()) result.emitted += luminance(share * surface.base_color);

@@ -3,7 +3,7 @@
 //
 // direct   light that comes straight from lights, seen also in mirrors and through clear glass
 // path     light of any number of bounces up to a limit; Russian roulette ends paths of little throughput
-// ao       the share of a white sky that each point sees
+// ao       the share of a white sky that each point sees, also through what lets light pass straight on
 //
 // A surface that blends, masks, is clear glass or bounds a body that does not bend light transmits it, and the ray is shot
 // again from there, in order of t.

@@ -202,6 +202,9 @@ void Integrator::gather_sky(const Vertex& v)
 {
     if (!(v.occlusion > 0)) return;
     const int samples = light_samples_at(v.path);
+    // What passes a surface beside its gaps, as through clear glass, is seen behind it and not on it.
+    const Vec3f clear = v.surface.transmittance - Vec3f(1 - v.surface.opacity);
+    const Vec3f share = v.lit_share * (Vec3f(1) - clear / v.surface.opacity);
     const shade::ShadingFrame axes(v.surface.normal);
     const Sequence squares = numbers(v, Use::Scatter);
     const float reach = context_.settings.ao_distance > 0 ? context_.scale.to_frame(context_.settings.ao_distance)
@@ -210,7 +213,9 @@ void Integrator::gather_sky(const Vertex& v)
         const Vec3f direction = axes.to_world(
             shade::cosine_direction(squares.square(v.first_of(samples) + static_cast<std::uint32_t>(n))));
         if (!(glm::dot(direction, v.surface.normal_geometric) > 0)) continue;
-        const Vec3f light = v.lit_share * (v.occlusion / static_cast<float>(samples));
+        const Vec3f absorption = absorption_along(v, direction);
+        const Vec3f unabsorbed = share * (v.occlusion / static_cast<float>(samples));
+        const Vec3f light = unabsorbed * left_by_body(absorption, reach);
         if (context_.log) context_.log->light_sample(direction, reach, light);
         accel::Ray& ray = shadows_.add(v.path.sample, light, v.limit);
         ray.origin = v.surface.start(direction);
@@ -220,6 +225,7 @@ void Integrator::gather_sky(const Vertex& v)
         ray.t_far = reach;
         const float density = glm::dot(direction, v.surface.normal) / shade::kPi;
         ray.footprint = shade::scattered_beam({v.width, 0}, density, samples * context_.settings.spp);
+        if (absorption != Vec3f(0)) shadows_.starts_in_body(absorption, unabsorbed);
     }
 }
 
