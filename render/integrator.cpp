@@ -29,7 +29,7 @@ Integrator::Integrator(const FrameContext& context)
       has_mattes_(context.settings.has(Aov::CryptomatteObject) || context.settings.has(Aov::CryptomatteMaterial)),
       shows_cost_(shows_cost(context.settings.view)),
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
-      shadows_(context.textures, context.scale, {context.may_pass, texture_width_}),
+      shadows_(context.textures, context.scale, {context.may_pass, texture_width_, context.log}),
       eye_body_(context.textures, texture_width_),
       seeks_eye_body_(context.may_start_in_body && context.settings.view == View::Beauty &&
                       context.settings.integrator != IntegratorKind::Ao)
@@ -302,20 +302,24 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     return pass_straight(i, path, hit.t, {transmittance, path.coverage - covered, chance.pass, absorption}, sample);
 }
 
-Integrator::Chances Integrator::chances_of_both(const Vertex& v) const noexcept
+Integrator::Chances Integrator::chances_of_both(const Vertex& v) const
 {
     float light = lighting_chance(v.path.straight * v.surface.opacity, v.path.passed);
-    if (light < 1 && numbers(v, Dimension::Use::Faint).interval(v.first_of(1)) >= light) light = 0;
+    if (light < 1) {
+        const bool is_lit = numbers(v, Dimension::Use::Faint).interval(v.first_of(1)) < light;
+        if (context_.log) context_.log->decided("the surface is lit", light, is_lit);
+        if (!is_lit) light = 0;
+    }
     if (v.path.is_camera() && v.path.splits < kMaxSplits) return {1, light, light};
     const float pass = std::clamp(mean(v.surface.transmittance), 0.05f, 1 - kLeastShare);
     const bool is_passing = numbers(v, Dimension::Use::Passing).interval(v.first_of(1)) < pass;
+    if (context_.log) context_.log->decided("the ray goes straight on and is not scattered", pass, is_passing);
     return is_passing ? Chances{pass, 0, light} : Chances{0, 1 - pass, light};
 }
 
 bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const Passing& passing, const CameraSample& sample)
 {
     Path next = path;
-    if (context_.log) context_.log->passes(passing.light, passing.chance);
     next.throughput *= passing.light / passing.chance;
     next.coverage = passing.coverage / passing.chance;
     next.stands_for /= passing.chance;
@@ -326,11 +330,14 @@ bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const P
     const float share = std::max({next.throughput.x, next.throughput.y, next.throughput.z, next.coverage});
     const float chance = path.is_camera() ? passing_chance(share)
                                           : std::min(passing_chance(share), passing_chance(next.straight, next.passed));
+    if (context_.log) context_.log->passes(passing.light, chance > 0);
     if (!(chance > 0)) return false;
     if (chance < 1) {
         const Dimension survival = Dimension::at(next.key, Dimension::Use::Survival, 1);
         const auto index = static_cast<std::uint32_t>(sample.index);
-        if (context_.sampler.interval(sample.x, sample.y, index, survival) >= chance) return false;
+        const bool goes_on = context_.sampler.interval(sample.x, sample.y, index, survival) < chance;
+        if (context_.log) context_.log->decided("the ray goes on", chance, goes_on);
+        if (!goes_on) return false;
         next.throughput /= chance;
         next.coverage /= chance;
         next.stands_for /= chance;

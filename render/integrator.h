@@ -249,7 +249,7 @@ private:
     struct Chances {
         float pass, scatter, light;
     };
-    Chances chances(const Vertex& v) const noexcept
+    Chances chances(const Vertex& v) const
     {
         const bool passes = v.surface.transmittance != Vec3f(0),
                    scatters = v.surface.opacity > 0 && !v.path.is_probe && !v.surface.only_passes();
@@ -257,7 +257,7 @@ private:
         return {passes ? 1.0f : 0.0f, scatters ? 1.0f : 0.0f, 1};
     }
     /// Returns the chances at a surface that passes light and scatters it.
-    Chances chances_of_both(const Vertex& v) const noexcept;
+    Chances chances_of_both(const Vertex& v) const;
     /// Gathers light at a surface and follows the lobes of the surface, with these chances.
     void gather_and_scatter(Vertex& v, const Chances& chance);
     /// Returns whether the same may be done later for several surfaces side by side.

@@ -313,11 +313,11 @@ void Integrator::follow(const Vertex& v, const shade::ScatterSample& s, const Sc
     }
     const bool is_certain = is_direct && v.path.passed < kPassedForSure;
     const float survival = is_certain ? 1 : survival_of(next.throughput);
-    if (survival < 1 && numbers(v, Use::Survival).interval(v.first_of(1)) >= survival) {
-        if (context_.log) context_.log->ended_by_chance(survival);
-        return drop_last();
-    }
-    if (survival < 1) next.throughput /= survival;
+    if (!(survival < 1)) return;
+    const bool survives = numbers(v, Use::Survival).interval(v.first_of(1)) < survival;
+    if (context_.log) context_.log->decided("the path goes on", survival, survives);
+    if (!survives) return drop_last();
+    next.throughput /= survival;
 }
 
 void Integrator::look_for_light(const Path& next, const accel::Ray& ray, const shade::Environment::Light* known_sky)

@@ -86,7 +86,7 @@ void PathLog::added(std::string_view what, Vec3f radiance) { out_ << "  " << wha
 void PathLog::light_sample(Vec3f direction, float t_far, Vec3f radiance)
 {
     out_ << "  light sample: direction " << direction << ", distance " << double(t_far) * scale_.to_world() << ", adds "
-         << radiance << " unless something is in the way\n";
+         << radiance << " if nothing is in its way\n";
 }
 
 void PathLog::scattered(const shade::ScatterSample& sample, const Path& next)
@@ -95,16 +95,20 @@ void PathLog::scattered(const shade::ScatterSample& sample, const Path& next)
          << sample.density << ", weight " << sample.weight << ", throughput " << next.throughput << '\n';
 }
 
-void PathLog::ended_by_chance(float survival)
+void PathLog::decided(std::string_view what, float chance, bool is_so)
 {
-    out_ << "  the path ends by chance: it survives " << survival << " of the time\n";
+    out_ << "  by a chance of " << chance << ", " << what << ": " << (is_so ? "yes" : "no") << '\n';
 }
 
-void PathLog::passes(Vec3f transmittance, float chance)
+void PathLog::passes(Vec3f transmittance, bool goes_on)
 {
-    out_ << "  the ray goes straight on with transmittance " << transmittance;
-    if (chance < 1) out_ << ", by a chance of " << chance;
-    out_ << '\n';
+    if (goes_on) out_ << "  the ray goes straight on with transmittance " << transmittance << '\n';
+    else out_ << "  the ray ends: nothing of its light passes\n";
+}
+
+void PathLog::shadow_ray_at(Vec3f direction, float t)
+{
+    out_ << "the shadow ray in direction " << direction << " has come to t " << double(t) * scale_.to_world() << '\n';
 }
 
 }  // namespace occam::render

@@ -40,12 +40,17 @@ public:
     void surface(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface);
     /// Writes light that the path adds to its sample without a ray.
     void added(std::string_view what, Vec3f radiance);
-    /// Writes a sample of a light, whose shadow ray is traced later. radiance is what it adds if nothing is in the way.
+    /// Writes a sample of a light, whose shadow ray is traced later. radiance is what it adds if nothing is in its way.
     void light_sample(Vec3f direction, float t_far, Vec3f radiance);
     /// Writes a direction that was drawn from a lobe, and the path that follows it.
     void scattered(const shade::ScatterSample& sample, const Path& next);
-    void ended_by_chance(float survival);
-    void passes(Vec3f transmittance, float chance);
+    /// Writes what was decided by comparing a random number with a chance.
+    void decided(std::string_view what, float chance, bool is_so);
+    /// Writes what of a ray's light a surface lets pass.
+    /// goes_on   false if the ray ends there, since nothing of its light is left
+    void passes(Vec3f transmittance, bool goes_on);
+    /// Writes at which surface a shadow ray has come, after the shadow rays that were traced together.
+    void shadow_ray_at(Vec3f direction, float t);
 
 private:
     std::ostream& out_;

@@ -6,6 +6,7 @@
 
 #include "base/hash.h"
 #include "render/light_limit.h"
+#include "render/path_log.h"
 #include "render/shade_point.h"
 #include "shade/surface.h"
 
@@ -111,7 +112,13 @@ bool ShadowQueue::passes(Blocked& of, accel::Ray& ray, const accel::SurfaceHit& 
     const float share = of.share * std::max({transmittance.x, transmittance.y, transmittance.z});
     const float chance = passing_chance(share, ++of.passed);
     ray = behind(ray, hit.t);
-    if (!(chance > 0) || (chance < 1 && number_of(ray, luck[shadow.sample]) >= chance)) {
+    const bool goes_on = chance >= 1 || (chance > 0 && number_of(ray, luck[shadow.sample]) < chance);
+    if (rules_.log) {
+        rules_.log->shadow_ray_at(ray.direction, hit.t);
+        rules_.log->passes(transmittance, chance > 0);
+        if (chance > 0 && chance < 1) rules_.log->decided("the ray goes on", chance, goes_on);
+    }
+    if (!goes_on) {
         shadow.radiance = Vec3f(0);
         return false;
     }

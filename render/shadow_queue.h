@@ -40,11 +40,14 @@ inline float passing_chance(float share, int passed) noexcept
 /// again.
 accel::Ray behind(accel::Ray ray, float t) noexcept;
 
+class PathLog;
+
 class ShadowQueue {
 public:
     struct Rules {
         bool may_pass;        ///< a ray that hits a surface may continue behind it
         float texture_width;  ///< width of the texture filter, in pixels
+        PathLog* log;         ///< see FrameContext::log
     };
     ShadowQueue(const TextureStore& textures, const FrameScale& scale, const Rules& rules) noexcept
         : textures_(textures), scale_(scale), rules_(rules)

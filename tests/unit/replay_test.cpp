@@ -73,6 +73,32 @@ TEST(Replay, ASampleIsDescribedFromTheCameraToTheLight)
         EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is missing in\n" << text;
 }
 
+// Behind sheets a ray ends by chance, and where it does the last line about it says so.
+TEST(Replay, SaysWhatWasLeftToChance)
+{
+    Scene scene;
+    Material veil;
+    veil.base_color = {0.2f, 0.2f, 0.2f, 0.6f};
+    veil.alpha_mode = AlphaMode::Blend;
+    const CageId sheet = scene.add(floor_of(scene.add(veil), Scheme::Triangles));
+    for (int i = 0; i < 12; ++i) place(scene, sheet, {0, -0.1 * i, 0}, 8);
+    const Camera camera = Camera::look_at({0, 4, 0}, {0, 0, 0}, {0, 0, -1}, 0.5f);
+    add_lamp(scene, {0, 2, 0});
+    Renderer renderer({.threads = 1});
+    int ended = 0;
+    for (int x = 0; x < 16; ++x) {
+        std::ostringstream out;
+        renderer.replay(scene, camera, {.width = 16, .height = 16, .spp = 1, .bounces = 0}, {x, 8, 0}, out);
+        const std::string text = out.str();
+        EXPECT_NE(text.find(", the surface is lit: no"), std::string::npos) << text;
+        EXPECT_NE(text.find("the shadow ray in direction "), std::string::npos) << text;
+        if (text.find("  the background adds ") != std::string::npos) continue;
+        ended += text.find(", the ray goes on: no") != std::string::npos;
+        EXPECT_NE(text.find(", the ray goes on: no"), std::string::npos) << text;
+    }
+    EXPECT_GT(ended, 0);
+}
+
 /// The level of a hit is one of those that its ray sees, in world lengths as they are, whatever the frame's unit of length.
 TEST(Replay, LevelsOfHitsAreThoseOfTheirRays)
 {
