@@ -23,6 +23,7 @@ inline bool is_too_small(std::string_view number) noexcept
     const char* digits = number.data() + std::min(e + (has_sign ? 2 : 1), number.size());
     if (std::from_chars(digits, number.data() + number.size(), exponent).ec == std::errc::result_out_of_range)
         return is_negative;
+    exponent = std::min(exponent, 1LL << 60);  // no text is so long, so the sum below neither overflows nor changes its sign
     const auto places = static_cast<long long>(point) - static_cast<long long>(first);
     return (is_negative ? -exponent : exponent) + places < 0;
 }
