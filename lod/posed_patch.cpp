@@ -27,14 +27,14 @@ void PosedPatch::forget()
     side_speed_.fill(-1);
 }
 
-// Grows the vectors if needed. They never shrink, and old content is overwritten.
-void PosedPatch::make_room(std::size_t count)
+// Grows the vectors if needed. They never shrink, and old content is overwritten. If there is no memory for one of them, the
+// others may have grown.
+void PosedPatch::make_room(std::size_t count, std::size_t moves)
 {
+    for (std::vector<float>* values : {&x_, &y_, &z_})
+        if (values->size() < count) values->resize(count);
     count_ = count;
-    if (x_.size() >= count) return;
-    x_.resize(count);
-    y_.resize(count);
-    z_.resize(count);
+    point_count_ = count - moves;
 }
 
 void PosedPatch::set(const PosedCage& cage, PatchRef patch)
@@ -42,7 +42,7 @@ void PosedPatch::set(const PosedCage& cage, PatchRef patch)
     const PatchControls& controls = cage.topology->controls(patch);
     kind_ = controls.kind;
     forget();
-    make_room(controls.indices.size());
+    make_room(controls.indices.size(), controls.move_count);
     for (std::size_t k = 0; k < count_; ++k) {
         const Vec3f p = controls.are_derived ? cage.derived[controls.indices[k]] : cage.vertex(controls.indices[k]);
         x_[k] = p.x;
@@ -130,7 +130,7 @@ bool PosedPatch::is_far()
     constexpr float kFar = 32;
     if (distance_ != Distance::Unknown) return distance_ == Distance::Far;
     float extent = 0;
-    for (std::size_t k = 1; k < count_; ++k)
+    for (std::size_t k = 1; k < point_count_; ++k)
         extent = std::max({extent, std::fabs(x_[k] - x_[0]), std::fabs(y_[k] - y_[0]), std::fabs(z_[k] - z_[0])});
     distance_ = reach() > kFar * extent ? Distance::Far : Distance::Near;
     return distance_ == Distance::Far;
@@ -142,8 +142,10 @@ bool PosedPatch::needs_differences(int depth)
     return PatchClass::is_deep(depth) || (depth >= kLeastDepth && is_far());
 }
 
-// All control points of a piece lack the patch's first one here, so that their rounding errors are small beside the patch.
-// The weights of differences add up to 0, which makes up for it; other weights add up to 1, and each row lacks it once.
+// The patch's first control point is subtracted from all of them here, so that their rounding errors are small beside the
+// patch. The weights of differences add up to 0, so what was subtracted cancels. Other weights add up to 1, so all of a row
+// or column lacks the first control point once. Moves are vectors, and their weights add up to neither: they stay as they
+// are.
 const PieceControls& PosedPatch::differences(const PatchClass::Node& node, bool along_v)
 {
     const std::size_t count = node.control_count;
@@ -155,14 +157,16 @@ const PieceControls& PosedPatch::differences(const PatchClass::Node& node, bool 
     Piece& made = pieces_.emplace_back();
     made.weights = weights;
     made.is_relative = true;
+    const Vec3f first(x_[0], y_[0], z_[0]);
     for (int i = 0; i < 16; i += kLanes) {
         vfloat sum[3] = {0.0f, 0.0f, 0.0f};
         for (std::size_t row = 0; row < count; ++row) {
             const std::uint32_t k = node.controls[row];
             const vfloat w = vfloat::load(&weights[row * 16 + i]);
-            sum[0] = fma(w, x_[k] - x_[0], sum[0]);
-            sum[1] = fma(w, y_[k] - y_[0], sum[1]);
-            sum[2] = fma(w, z_[k] - z_[0], sum[2]);
+            const Vec3f from = k < point_count_ ? first : Vec3f(0);
+            sum[0] = fma(w, x_[k] - from.x, sum[0]);
+            sum[1] = fma(w, y_[k] - from.y, sum[1]);
+            sum[2] = fma(w, z_[k] - from.z, sum[2]);
         }
         for (int a = 0; a < 3; ++a) sum[a].store(&made.controls.c[a][i]);
     }

@@ -62,7 +62,8 @@ private:
 
     /// Forgets everything that was made for the last patch.
     void forget();
-    void make_room(std::size_t count);
+    /// moves   how many of the last control points are moves (PatchControls::move_count)
+    void make_room(std::size_t count, std::size_t moves = 0);
     void set_linear_uv(const PosedCage& cage, PatchRef patch, int uv_set);
     // What these functions return stays valid until one of them is called again.
     const PieceControls& piece(const PatchClass::Node& node);
@@ -108,6 +109,7 @@ private:
 
     const PatchClass* kind_ = nullptr;
     std::size_t count_ = 0;         ///< number of control points
+    std::size_t point_count_ = 0;   ///< how many of them, the first ones, are points and no moves
     std::vector<float> x_, y_, z_;  ///< control points, with room for more
     std::vector<Piece> pieces_;     ///< made so far
     std::vector<float> rows_;

@@ -268,6 +268,13 @@ public:
 
 }  // namespace
 
+std::uint32_t RingPatch::move_count() const noexcept
+{
+    std::size_t poles = 0;
+    for (const Quad& quad : quads) poles += quad.poles.size();
+    return static_cast<std::uint32_t>(poles) * DerivedPoints::kMoves;
+}
+
 std::size_t RingPatch::bytes() const noexcept
 {
     std::size_t bytes = sizeof *this + controls.capacity() * sizeof(controls[0]) + quads.capacity() * sizeof(quads[0]);

@@ -32,6 +32,8 @@ struct RingPatch {
     Cage mesh;                            ///< its first faces are `quads`, from the corner of the patch on
     std::vector<Quad> quads;
 
+    /// Returns how many of the last controls are moves of large vertices.
+    std::uint32_t move_count() const noexcept;
     /// Returns about how many bytes it takes without its key.
     std::size_t bytes() const noexcept;
 };

@@ -182,7 +182,7 @@ const PatchControls& Topology::make_derived_controls(PatchRef patch) const
                                                   ring->crease_depth, &memory);
         kind->count(key_bytes + ring->bytes());
     }
-    return store(patch, -1, {kind.get(), {}, true}, ring->controls);
+    return store(patch, -1, {kind.get(), {}, true, ring->move_count()}, ring->controls);
 }
 
 const PatchControls& Topology::store(PatchRef patch, int uv_set, PatchControls record,

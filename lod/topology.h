@@ -39,6 +39,9 @@ struct PatchControls {
     const PatchClass* kind = nullptr;
     std::span<const std::uint32_t> indices;
     bool are_derived = false;  ///< the indices are those of derived points (Topology::derive)
+    /// How many of the last control points are moves of large vertices (lod/derived_points.h). Moves are vectors: the
+    /// weights of all others add up to 1 for a point and to 0 for a derivative.
+    std::uint32_t move_count = 0;
 };
 
 /// One side of a patch: the curve on which it lies, and the curve's parameters at 0 and 1 of the side's own lattice.
