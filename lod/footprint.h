@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "base/box.h"
 #include "base/power_of_two.h"
@@ -33,7 +34,7 @@ enum class LevelMode {
 struct LevelSettings {
     static constexpr float kOverlapEdges = 0.1f;
 
-    Vec3d eye{0};
+    Vec3d eye{0};            ///< of mid-shutter if the camera moves
     Footprint pixel;         ///< footprint of one pixel of the camera
     float shading_rate = 1;  ///< target edge length, in widths of the footprint
     int plane_count = 0;     ///< planes of the view; what lies outside of one does not choose (PerInstance)
@@ -48,8 +49,11 @@ struct LevelSettings {
     /// The farthest that a control point may be, between the keys of a cage's motion, from where the scene's keys have it:
     /// in target edge lengths where the cage is nearest to the camera.
     float motion_edges = 0.25f;
-    /// The farthest that the eye is from `eye` while the shutter is open.
+    /// The farthest that the eye is from `eye` while the shutter is open. Cages that move follow their paths by it.
     double eye_moves = 0;
+    /// The eye at evenly spaced moments of the shutter, and on straight lines between them; empty: it stands still. The one
+    /// level of a placement is chosen by it (PerInstance).
+    std::vector<Vec3d> eyes{};
     /// The number of equal parts of the shutter of which each pixel samples every one; 0: it is not known. A cage all of
     /// whose points move across the picture has no edges that are shorter than the least distance that a point moves in one
     /// part (lod/cage_motion.h).

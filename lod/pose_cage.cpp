@@ -35,9 +35,7 @@ bool chooses_level(const PosedCage& cage, const LevelSettings& levels) noexcept
 
 PosedCage& with_level(PosedCage& first, const LevelSettings& levels)
 {
-    if (!chooses_level(first, levels)) return first;
-    first.level = kCoarsestLevel;
-    for (int k = 0; k <= first.segments; ++k) first.level = std::min(first.level, choose_level(levels, first.keys[k]));
+    if (chooses_level(first, levels)) first.level = std::min(kCoarsestLevel, choose_level(levels, first));
     return first;
 }
 

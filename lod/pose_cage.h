@@ -27,7 +27,7 @@ struct CagePlacement {
 };
 
 /// Poses the cage. With LevelMode::PerInstance, a cage that is subdivided gets the level that its rays see, which is the
-/// finest that it needs at any key.
+/// finest that it needs while the shutter is open.
 PosedCage& pose_cage(const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools);
 
 /// Poses the cage as rays see it, and calls visit(posed): once, unless the cage is much larger in some segments of the

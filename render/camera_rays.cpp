@@ -82,10 +82,13 @@ Vec2d CameraRays::pixel_velocity(Vec3d point, Vec3d velocity, float time) const 
     return std::isfinite(pixels.x) && std::isfinite(pixels.y) ? pixels : Vec2d(0);
 }
 
-lod::LevelSettings CameraRays::levels(float shading_rate) const noexcept
+lod::LevelSettings CameraRays::levels(float shading_rate) const
 {
     lod::LevelSettings levels{middle_.eye, pixel_, shading_rate, 0, {}};
-    for (const View& key : keys_) levels.eye_moves = std::max(levels.eye_moves, glm::distance(key.eye, middle_.eye));
+    for (const View& key : keys_) {
+        levels.eyes.push_back(key.eye);
+        levels.eye_moves = std::max(levels.eye_moves, glm::distance(key.eye, middle_.eye));
+    }
     // What a moving camera sees lies in no single pyramid.
     if (orthographic_ || moves()) return levels;
     // A point is in view if |across| <= forward * (width / height) and |up| <= forward, where across and up are in units of

@@ -57,7 +57,7 @@ public:
     lod::Footprint pixel() const noexcept { return pixel_; }
     Vec3d eye() const noexcept { return middle_.eye; }
     /// Returns the settings by which the frame's levels are chosen.
-    lod::LevelSettings levels(float shading_rate) const noexcept;
+    lod::LevelSettings levels(float shading_rate) const;
 
 private:
     /// Holds where the camera is and how it is turned.

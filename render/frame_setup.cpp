@@ -29,6 +29,7 @@ lod::LevelSettings levels_of(const Settings& settings, const FrameScale& scale, 
 {
     lod::LevelSettings levels = settings.lod_camera ? lod_camera_of(settings, scale).levels(settings.shading_rate)
                                                     : camera.levels(settings.shading_rate);
+    if (settings.lod_camera) levels.eyes.clear();  // its footprints are those of mid-shutter
     levels.mode = mode_of(settings.lod);
     // A blurred surface needs no more detail than its samples can tell, unless the camera may follow it. Colours that are
     // made at vertices need all of them: along the stripes of a texture motion hides nothing.
