@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace occam::lod {
 namespace {
@@ -34,6 +35,36 @@ double stretch_bound(const Mat4d& map) noexcept
     double squares = 0;
     for (int c = 0; c < 3; ++c) squares += glm::dot(Vec3d(map[c]), Vec3d(map[c]));
     return std::sqrt(squares);
+}
+
+/// The least and the largest factor by which a map lengthens a vector: its singular values.
+struct Stretches {
+    double least = 0, largest = 0;
+};
+
+Stretches stretches(Mat3d map) noexcept
+{
+    // Columns are turned against each other, two at a time, until all are at right angles (Jacobi rotations): their lengths
+    // are the singular values then. Each sweep squares the cosines of what is left.
+    constexpr int kMostSweeps = 12;
+    constexpr double kRightAngle = 1e-14;
+    for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+        bool are_at_right_angles = true;
+        for (const auto& [p, q] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+            const Vec3d a = map[p], b = map[q];
+            const double aa = glm::dot(a, a), bb = glm::dot(b, b), ab = glm::dot(a, b);
+            if (!(std::abs(ab) > kRightAngle * std::sqrt(aa) * std::sqrt(bb))) continue;
+            are_at_right_angles = false;
+            const double slope = (bb - aa) / (2 * ab);
+            const double tangent = std::copysign(1 / (std::abs(slope) + std::sqrt(1 + slope * slope)), slope);
+            const double cosine = 1 / std::sqrt(1 + tangent * tangent), sine = cosine * tangent;
+            map[p] = a * cosine - b * sine;
+            map[q] = a * sine + b * cosine;
+        }
+        if (are_at_right_angles) break;
+    }
+    const double x = glm::length(map[0]), y = glm::length(map[1]), z = glm::length(map[2]);
+    return {std::min({x, y, z}), std::max({x, y, z})};
 }
 
 Mat4d between(const Mat4d& a, const Mat4d& b, double share) noexcept { return a * (1 - share) + b * share; }
@@ -186,14 +217,15 @@ double CageMotion::least_distance_across(Vec3d eye) const
 
 double CageMotion::least_radius(const CageCurvature& curvature) const
 {
-    // A circle that is squeezed by s in one direction and stretched by t in the other bends with s^2 / t of its radius.
+    // A circle that is squeezed by s in one direction and stretched by t in the other bends with s^2 / t of its radius. No
+    // map squeezes by more than its least singular value and stretches by more than its largest one, whatever the
+    // directions.
     double least = std::numeric_limits<double>::infinity(), most = 0;
-    for (const Mat4d& world : world_)
-        for (int axis = 0; axis < 3; ++axis) {
-            const double scale = glm::length(Vec3d(world[axis]));
-            least = std::min(least, scale);
-            most = std::max(most, scale);
-        }
+    for (const Mat4d& world : world_) {
+        const Stretches of_map = stretches(Mat3d(world));
+        least = std::min(least, of_map.least);
+        most = std::max(most, of_map.largest);
+    }
     return most > 0 ? least * least / most * curvature.least_radius(slot_.cage) : 0;
 }
 

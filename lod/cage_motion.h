@@ -40,7 +40,8 @@ public:
     /// Returns a box, in world axes, that the cage never leaves.
     Box3d world_box() const noexcept;
     /// Returns the least power of two of segments with which no control point is farther than `tolerance` from where the
-    /// scene's keys have it, and no normal that vertices turn by moving against each other is off by more than kMostTurn.
+    /// scene's keys have it. Where vertices are written or morph weights change, no normal of a face is off by more than
+    /// kMostTurn, either; those of skins are not looked at.
     int segments(double tolerance) const
     {
         return segments([tolerance](int) { return tolerance; });

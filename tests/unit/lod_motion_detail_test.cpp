@@ -160,6 +160,25 @@ TEST(MotionDetail, OfThinCagesIsThatOfStillOnes)
         << "edges are as long as the root of eight allows, rounded to a power of two";
 }
 
+// A squashed cage bends where its map, not the axes of its object, squeezes it.
+TEST(MotionDetail, OfSquashedCagesIsTheSameHoweverTheyAreTurnedBefore)
+{
+    Mat4d squashed(1);
+    squashed[1][1] = 0.02;
+    const auto radius = [&](const Mat4d& turned) {
+        Motion motion = sliding({10, 0, 0}, false);
+        motion.matrix = [&](double tau) { return moved_by(Vec3d(10 * tau, 0, 0)) * squashed * turned; };
+        return of_torus(motion, [](const lod::CageMotion& m) { return m.least_radius(lod::CageCurvature()); });
+    };
+    const double expected = 0.02 * 0.02 * lod::least_radius_of_curvature(torus());
+    EXPECT_NEAR(radius(Mat4d(1)), expected, 1e-9 * expected);
+    for (const double angle : {0.01, 0.5, 0.7853981634, 3.0})
+        for (const Vec3d axis : {Vec3d(0, 0, 1), Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0.6, 0.48, 0.64)})
+            EXPECT_NEAR(radius(glm::rotate(Mat4d(1), angle, axis)), expected, 1e-9 * expected) << angle;
+    for (int axis = 0; axis < 3; ++axis) squashed[axis] *= 3.0;
+    EXPECT_NEAR(radius(glm::rotate(Mat4d(1), 0.5, Vec3d(0, 0, 1))), 3 * expected, 1e-9 * expected);
+}
+
 TEST(MotionDetail, FollowsTheCageWhereItsVerticesAreWritten)
 {
     Scene scene;
