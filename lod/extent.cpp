@@ -59,20 +59,24 @@ Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
     Shape& shape = shapes[id];
     const bool is_made = !shape.used.empty() || !shape.still.empty();
     if (shape.identity == slot.identity && shape.version == slot.positions_version && is_made) return shape;
-    refined -= shape.refined;
     const bool was_refined = shape.refined > 0;  // then it is again, so that a sequence is framed in one way
-    shape = {slot.identity, slot.positions_version, 0, nullptr, {}, {}};
+    // The shape is kept when it is whole. If there is no memory for all of it, it is made anew when it is next asked for.
+    Shape made{slot.identity, slot.positions_version, 0, nullptr, {}, {}};
+    const auto keep = [&]() -> Shape& {
+        refined += made.refined - shape.refined;
+        return shape = std::move(made);
+    };
     const Cage& cage = slot.cage;
     std::vector<bool> is_used(cage.positions.size());
     int levels = 0;
     if (cage.scheme == Scheme::CatmullClark && cage.face_count() > 0 && (was_refined || refined < kMostRefined))
         for (std::size_t n = cage.face_vertices.size(); levels < kMostLevels && n <= kMostFaces; n *= 4) ++levels;
     if (levels > 0) {
-        shape.refiner = make_refiner(cage);
-        shape.refiner->RefineUniform(Far::TopologyRefiner::UniformOptions(levels));
-        const Far::TopologyLevel& finest = shape.refiner->GetLevel(shape.refiner->GetMaxLevel());
+        made.refiner = make_refiner(cage);
+        made.refiner->RefineUniform(Far::TopologyRefiner::UniformOptions(levels));
+        const Far::TopologyLevel& finest = made.refiner->GetLevel(made.refiner->GetMaxLevel());
         is_used.assign(std::size_t(finest.GetNumVertices()), false);
-        refined += shape.refined = is_used.size() * (slot.is_deformed() ? kWeightOfDeformed : 1);
+        made.refined = is_used.size() * (slot.is_deformed() ? kWeightOfDeformed : 1);
         for (int f = 0; f < finest.GetNumFaces(); ++f)
             for (int k = 0; k < finest.GetFaceVertices(f).size() && !finest.IsFaceHole(f); ++k)
                 is_used[std::size_t(finest.GetFaceVertices(f)[k])] = true;
@@ -80,12 +84,12 @@ Extent::State::Shape& Extent::State::shape_of(CageId id, const CageSlot& slot)
         for (const std::uint32_t v : cage.face_vertices) is_used[v] = true;
     }
     for (std::uint32_t v = 0; v < is_used.size(); ++v)
-        if (is_used[v]) shape.used.push_back(v);
-    if (slot.is_deformed()) return shape;
-    shape.still = points_of(shape, {cage.positions.begin(), cage.positions.end()});
-    shape.used = std::vector<std::uint32_t>();  // assigning {} would keep its memory
-    shape.refiner.reset();
-    return shape;
+        if (is_used[v]) made.used.push_back(v);
+    if (slot.is_deformed()) return keep();
+    made.still = points_of(made, {cage.positions.begin(), cage.positions.end()});
+    made.used = std::vector<std::uint32_t>();  // assigning {} would keep its memory
+    made.refiner.reset();
+    return keep();
 }
 
 std::vector<Vec3d> Extent::State::points_of(const Shape& shape, const std::vector<Vec3d>& controls)

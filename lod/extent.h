@@ -22,7 +22,9 @@ public:
     ~Extent();
 
     /// Calls `visit` with points whose convex hull holds all that rays of the camera can hit, in the scene's current pose.
-    /// Bounds must be up to date (Scene::refit()). Vertices that no face uses are left out.
+    /// Bounds must be up to date (Scene::refit()). Vertices that no visible face uses are left out. Those of holes, and of
+    /// the outermost faces with BoundaryRule::None, pull at the faces beside them all the same, so that a face that is
+    /// concave there may reach out of the hull by a small part of what they stand out.
     void visit_points(const Scene& scene, const std::function<void(Vec3d)>& visit);
 
 private:

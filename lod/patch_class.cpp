@@ -167,10 +167,15 @@ const PatchHull& PatchClass::make_hull() const
         // The hull uses the tree of the points. If there are creases, it uses a tree of strips of its own instead.
         Node strips;
         strips.may_halve_one_way = true;
+        struct Discount {
+            const PatchClass& kind;
+            const Node& strips;
+            ~Discount() { kind.discount(kind.tree_bytes(strips)); }
+        };
+        const Discount when_strips_end{*this, strips};  // also if there is no memory for the hull
         const bool takes_strips = crease_depth_ > 0 && !root_.may_halve_one_way;
         auto made = std::make_unique<const PatchHull>(*this, takes_strips ? strips : root_);
         count(made->bytes());
-        discount(tree_bytes(strips));
         return made;
     });
 }

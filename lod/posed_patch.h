@@ -56,7 +56,7 @@ public:
 private:
     struct Piece {
         const float* weights;  ///< the matrix of its class
-        bool is_relative;      ///< it was multiplied by the patch's points less the first one
+        bool is_relative;      ///< it was multiplied by the patch's points less the first one, and by its moves
         PieceControls controls;
     };
 

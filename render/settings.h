@@ -122,9 +122,10 @@ struct Settings {
 
 /// The resources for rendering. They have no influence on the picture, except for what `texture_bytes` says.
 struct Resources {
-    int threads = 0;  ///< 0: one for each processor; those that the system refuses are done without
-    /// The memory for what is rebuilt in each frame, all workers together; 0 means a quarter of the machine's, but no
-    /// more than 3 GB, or 512 MB for each thread if that is more.
+    /// 0: one for each processor that the process may use; those that the system refuses are done without.
+    int threads = 0;
+    /// The memory for what is rebuilt in each frame, all workers together; 0 means a quarter of the machine's, or of what a
+    /// container leaves of it, but no more than 3 GB, or 512 MB for each thread if that is more.
     /// Renderer::memory_floor() returns the least with which a frame is begun.
     std::size_t memory_bytes = 0;
     int workers_a_tree = 1;  ///< 1: each worker builds its own tree; more: that many share one; 0: all share one

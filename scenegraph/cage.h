@@ -134,8 +134,9 @@ struct OnDemandCage {
     std::vector<MaterialId> materials{};  ///< slots; empty: the default material
 };
 
-/// The largest coordinate that may be used: areas of boxes, times their number, stay below the largest float. What is
-/// computed in a frame is in its own unit of length (scenegraph/frame_scale.h).
+/// The largest coordinate that may be used: areas of boxes, times numbers of up to 280,000 of them, stay below the largest
+/// float. Where more boxes are all as large as that, a tree over them is worse, not wrong. What is computed in a frame is in
+/// its own unit of length (scenegraph/frame_scale.h).
 inline constexpr float kMaxCoordinate = 1e16f;
 inline bool is_usable(Vec3f p) noexcept
 {
