@@ -12,6 +12,7 @@ void Candidates::start(const Box3f& box, std::span<const ItemIndex> items, int p
     clear();
     has_heap_ = false;
     passing_ = 0;
+    left_out_to_ = Item::kNever;
     time_ = time;
     within_ = box;
     pair_ = pair;
@@ -23,7 +24,10 @@ void Candidates::add(ItemIndex item)
     const Item& it = items_[item];
     const Box3f box = time_ == kAllTimes ? it.box : box_at(item, time_);
     const Box3f clipped{glm::max(box.lo, within_.lo), glm::min(box.hi, within_.hi)};
-    if (clipped.is_empty()) return;
+    if (clipped.is_empty()) {
+        left_out_to_ = std::min<int>(left_out_to_, it.holds_to);
+        return;
+    }
     push_back({clipped, item, it.cost, items_.is_final(item, pair_)});
     if (passes(item)) ++passing_;
     if (has_heap_) add_to_heap(size() - 1);
@@ -152,7 +156,9 @@ TreeLeaf Candidates::leaf(Arena& arena, const KeySpan& keys) const
     const bool move = keys.segments > 0;
     if (move) std::fill(boxes.begin(), boxes.end(), 0.0f);
     for (std::size_t c = size(); !move && c % kBoxGroup != 0; ++c) set_box(boxes.data(), c, Box3f());
-    TreeLeaf leaf{{lod::kFinestLevel, lod::kCoarsestLevel}, arena.make_array<TreeLeaf::Entry>(size()), boxes.data(), keys};
+    // At coarser pairs a part that was left out may reach into the node.
+    const int coarsest = std::clamp(left_out_to_, pair_, lod::kCoarsestLevel);
+    TreeLeaf leaf{{lod::kFinestLevel, coarsest}, arena.make_array<TreeLeaf::Entry>(size()), boxes.data(), keys};
     for (std::size_t c = 0; c < size(); ++c) {
         const ItemIndex item = (*this)[c].item;
         if (!move) set_box(boxes.data(), c, items_[item].box);
@@ -165,7 +171,7 @@ TreeLeaf Candidates::leaf(Arena& arena, const KeySpan& keys) const
 
 int Candidates::holds_to() const noexcept
 {
-    int level = Item::kNever;
+    int level = left_out_to_;
     for (const Candidate& c : *this) level = std::min<int>(level, items_[c.item].holds_to);
     return level;
 }

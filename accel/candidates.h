@@ -49,7 +49,8 @@ public:
     std::uint32_t visible_in(std::size_t begin, std::size_t end) const noexcept;
     /// Returns whether any item moves.
     bool move() const noexcept;
-    /// Returns the pair up to which all boxes are right.
+    /// Returns the pair up to which all boxes are right: those of the candidates, and those of the parts that were left out
+    /// because their boxes lie beside the node.
     int holds_to() const noexcept;
 
 private:
@@ -84,7 +85,8 @@ private:
     Box3f within_;
     int pair_ = 0;
     float time_ = kAllTimes;
-    std::size_t passing_ = 0;  ///< candidates that pass through the node
+    std::size_t passing_ = 0;         ///< candidates that pass through the node
+    int left_out_to_ = Item::kNever;  ///< the pair up to which whatever was left out since start() is beside the node
     // The following are in use if has_heap_ is set. A handle is a candidate's number for as long as it is in the list.
     bool has_heap_ = false;
     std::vector<Unopened> heap_;

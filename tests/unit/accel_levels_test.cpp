@@ -227,5 +227,49 @@ TEST(Levels, AreAsFineUnderADistantSkyOfTriangles)
     }
 }
 
+// A tree that has grown for fine rays has cells that small things fill, beside which the parts of a smooth cage lie. At
+// coarse pairs, whose chords are far inside the arc, the cage may be in those cells.
+TEST(Levels, AreMetByWideRaysWhereFinerRaysHaveBeen)
+{
+    std::mt19937_64 random(3);
+    const auto uniform = [&] { return double(random() >> 11) * 0x1p-53; };
+    Scene scene;
+    lod::TopologyCache topologies;
+    place(scene, scene.add(creased_cube(0)), {0, 0, 0});
+    const CageId small = scene.add(torus_mesh(60, 30));
+    const Vec3d middle{0, 0, 0.55};
+    const auto near_middle = [&] { return middle + Vec3d(uniform() - 0.5, uniform() - 0.5, uniform() - 0.5) * 0.3; };
+    for (int k = 0; k < 12; ++k) place(scene, small, near_middle(), 0.02 + 0.03 * uniform());
+    scene.refit();
+    const auto rays_of_width = [&](float width) {
+        std::vector<accel::Ray> rays(5000);
+        for (accel::Ray& ray : rays) {
+            ray.origin = near_middle();
+            const double up = uniform() < 0.5 ? -1 : 1;
+            ray.direction = Vec3f(glm::normalize(Vec3d(uniform() * 0.4 - 0.2, uniform() * 0.4 - 0.2, up)));
+            if (uniform() < 0.5) ray.t_far = 0.1f;
+            ray.footprint = {width, 0};
+        }
+        return rays;
+    };
+    const auto answers = [](accel::Tracer& tracer, std::span<const accel::Ray> rays) {
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        tracer.closest(rays, hits);
+        std::vector<float> t;
+        for (const accel::SurfaceHit& hit : hits) t.push_back(hit.t);
+        return t;
+    };
+    for (const accel::TreeKind tree : {accel::TreeKind::Kd, accel::TreeKind::Bvh}) {
+        const accel::Frame frame(scene, topologies, {.pixel = {0x1p-9f, 0}}, {.tree = tree});
+        accel::Tracer old(frame, std::size_t(1) << 30);
+        answers(old, rays_of_width(0x1p-10f));
+        for (const float width : {0.25f, 1.0f, 2.0f}) {
+            const std::vector<accel::Ray> rays = rays_of_width(width);
+            accel::Tracer fresh(frame, std::size_t(1) << 30);
+            EXPECT_EQ(answers(old, rays), answers(fresh, rays)) << "width " << width;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace occam::test
