@@ -13,7 +13,6 @@ constexpr std::size_t kEnough = 32;     // candidates to divide
 constexpr int kBins = 16;               // bins along each axis
 constexpr float kMostGrowth = 3;        // an interval in which the parts' boxes grow by more than this factor is halved
 constexpr float kShortest = 1.0f / 64;  // the share of the shutter from which on intervals are not halved
-constexpr float kBoxUlps = 4;           // growth of boxes that move, in ulps of their largest coordinate
 constexpr Box3f kEverywhere{Vec3f(-FLT_MAX), Vec3f(FLT_MAX)};
 constexpr Box3f kNothing{Vec3f(FLT_MAX), Vec3f(-FLT_MAX)};  // finite, so that it is linear between keys
 
@@ -127,12 +126,11 @@ void Bvh::set_boxes(float* boxes, std::size_t stride, std::size_t place, const K
             box.add(candidates_.box_at(candidates_[c].item, keys.begin + static_cast<float>(key) / keys.per_time));
         return box;
     };
-    Box3f all;
-    for (int key = 0; key <= keys.segments; ++key) all.add(at(key));
     // The boxes are rounded twice, at keys that are not the items' own and at the time of a ray.
-    const Vec3f pad(all.largest_coordinate() * kBoxUlps * FLT_EPSILON);
+    GrowthAtKeys growth;
     for (int key = 0; key <= keys.segments; ++key) {
         const Box3f box = at(key);
+        const Vec3f pad(growth.next(box));
         set_box(boxes + static_cast<std::size_t>(key) * stride, place, {box.lo - pad, box.hi + pad}, keys.row);
     }
 }

@@ -187,7 +187,7 @@ void Items::measure(ItemIndex leaf)
     item.cluster = &info;
     item.final_from = count > kMaxParts ? Item::kNever : level_bound(info.small_from);
     item.cost = cost_of_blocks(quads / 4 + 1);
-    if (count > 0) set_boxes_at_keys(item, cage, [&](int key) { return to_tree(cage, boxes[key]); });
+    if (count > 0) set_boxes_at_keys(item, cage, [&](int key) { return to_tree(cage, key, boxes[key]); });
 }
 
 void Items::set_bounds(PatchInfo& patch, const lod::PosedCage& cage, Box3f* all)
@@ -195,7 +195,7 @@ void Items::set_bounds(PatchInfo& patch, const lod::PosedCage& cage, Box3f* all)
     set_boxes_at_keys(patch, cage, [&](int key) {
         const Box3f box = dicer_.bounds(cage.at_key(key), patch.scale, {patch.ref, 0, 0, 0, 0}, lod::kCoarsestLevel);
         all[key].add(box);
-        return to_tree(cage, box);
+        return to_tree(cage, key, box);
     });
 }
 
@@ -224,8 +224,9 @@ void Items::add_region(const lod::PosedCage& cage, ClusterInfo* cluster, const P
     item.holds_to = level_bound(holds_to);
     if (region.du == 0 && region.dv == 0) static_cast<ShutterBox&>(item) = patch;
     else
-        set_boxes_at_keys(item, cage,
-                          [&](int key) { return to_tree(cage, dicer_.bounds(cage.at_key(key), scale, region, coarsest)); });
+        set_boxes_at_keys(item, cage, [&](int key) {
+            return to_tree(cage, key, dicer_.bounds(cage.at_key(key), scale, region, coarsest));
+        });
     items_.push_back(item);
 }
 

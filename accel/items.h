@@ -10,6 +10,8 @@
 // Threads  One thread at a time: the owner of the tree, or the worker that holds the lock of a shared tree.
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <string>
 
 #include "accel/frame_state.h"
@@ -46,6 +48,23 @@ struct PlacedNode {
 struct ShutterBox {
     Box3f box;                       ///< at all times
     const Box3f* at_keys = nullptr;  ///< the same at each key of the scene's shutter; null: `box` stands for all
+};
+
+/// Tells by how much a box at a key grows, so that boxes that are linear between keys hold what they should: what lies
+/// between keys is rounded to ulps of where it is, and of where the key before it is.
+class GrowthAtKeys {
+public:
+    /// Returns the growth of the box at the next key. Empty boxes count as one at the origin.
+    float next(const Box3f& box) noexcept
+    {
+        constexpr float kUlps = 4;
+        const float before = largest_;
+        largest_ = box.is_empty() ? 0 : box.largest_coordinate();
+        return std::max(before, largest_) * kUlps * std::numeric_limits<float>::epsilon();
+    }
+
+private:
+    float largest_ = 0;
 };
 
 /// A patch of a cage whose rates are known. The box holds the whole patch.
@@ -203,7 +222,8 @@ private:
     }
     Box3f box_of(const lod::PosedCage& cage, std::uint32_t cluster) const;
     void set_box_of_node(Item& item, const PlacedNode& at, const Box3d& bounds);
-    Box3f to_tree(const lod::PosedCage& cage, const Box3f& box) const;
+    /// Takes a box from the dicing frame that a cage has at a key of its motion.
+    Box3f to_tree(const lod::PosedCage& cage, int key, const Box3f& box) const;
     Box3f to_tree(const Box3d& world, double pad) const;
     /// Returns the box of the image of a still pose's igrid.
     Box3f image_in_tree(const IGrid& grid, const lod::AffinePose& pose) const;

@@ -1,7 +1,4 @@
 // The boxes of items and of their igrids, in the frame of the tree.
-#include <algorithm>
-#include <limits>
-
 #include "accel/items.h"
 
 namespace occam::accel {
@@ -18,9 +15,9 @@ double rounding_of(const lod::PosedCage& still_pose)
 
 }  // namespace
 
-Box3f Items::to_tree(const lod::PosedCage& cage, const Box3f& box) const
+Box3f Items::to_tree(const lod::PosedCage& cage, int key, const Box3f& box) const
 {
-    const Vec3d shift = cage.anchor - frame_.anchor;
+    const Vec3d shift = cage.at_key(key).anchor - frame_.anchor;
     const double pad = cage.still_pose ? rounding_of(*cage.still_pose) : 0;
     return outward_float({Vec3d(box.lo) + shift - pad, Vec3d(box.hi) + shift + pad}, Vec3d(0), kBoxUlps);
 }
@@ -41,22 +38,18 @@ void Items::set_boxes(ShutterBox& to, std::span<const Box3f> own)
     to.at_keys = nullptr;
     to.box = own.front();
     if (own.size() == 1) return;
-    float largest = 0;
-    for (const Box3f& box : own) {
-        if (box.is_empty()) continue;
-        to.box.add(box);
-        largest = std::max(largest, box.largest_coordinate());
-    }
+    for (const Box3f& box : own) to.box.add(box);
     if (to.box.is_empty()) return;
-    // Between keys boxes are rounded by as much as those at the keys, wherever they are.
-    const Vec3f pad(largest * kBoxUlps * std::numeric_limits<float>::epsilon());
+    GrowthAtKeys growth;
     const std::span<Box3f> boxes = arena_.make_array<Box3f>(static_cast<std::size_t>(frame_.segments) + 1);
     for (std::size_t k = 0; k < boxes.size(); ++k) {
         const lod::KeyTime at = lod::key_time(float(k) / float(frame_.segments), static_cast<int>(own.size()) - 1);
         const Box3f &a = own[static_cast<std::size_t>(at.key)], &b = own[static_cast<std::size_t>(at.key) + 1];
-        boxes[k] = {glm::mix(a.lo, b.lo, at.share) - pad, glm::mix(a.hi, b.hi, at.share) + pad};
+        const Box3f box{glm::mix(a.lo, b.lo, at.share), glm::mix(a.hi, b.hi, at.share)};
+        const Vec3f pad(growth.next(box));
+        boxes[k] = {box.lo - pad, box.hi + pad};
+        to.box.add(boxes[k]);
     }
-    to.box = {to.box.lo - pad, to.box.hi + pad};
     to.at_keys = boxes.data();
 }
 
@@ -74,11 +67,11 @@ Box3f Items::image_in_tree(const IGrid& grid, const lod::AffinePose& pose) const
 Box3f Items::box_at(const IGrid& grid, float time) const
 {
     if (grid.cage->affine) return image_in_tree(grid, grid.cage->affine->at(time));
-    if (grid.segments == 0) return to_tree(*grid.cage, grid.bounds());
+    if (grid.segments == 0) return to_tree(*grid.cage, 0, grid.bounds());
     const lod::KeyTime at = lod::key_time(time, grid.segments);
     const Box3f a = grid.bounds_at_key(at.key), b = grid.bounds_at_key(at.key + 1);
     if (a.is_empty() || b.is_empty()) return {};
-    return to_tree(*grid.cage, {glm::mix(a.lo, b.lo, at.share), glm::mix(a.hi, b.hi, at.share)});
+    return to_tree(*grid.cage, at.key, {glm::mix(a.lo, b.lo, at.share), glm::mix(a.hi, b.hi, at.share)});
 }
 
 GridBounds Items::bounds_of(const IGrid& grid) const
@@ -89,7 +82,7 @@ GridBounds Items::bounds_of(const IGrid& grid) const
             all.add(image_in_tree(grid, grid.cage->affine->key(key)));
         return {all, {}};
     }
-    const Box3f box = to_tree(*grid.cage, grid.bounds());
+    const Box3f box = to_tree(*grid.cage, 0, grid.bounds());
     const float off = slab_rounding(box.largest_coordinate() + grid.cage->radius);
     const auto shift = static_cast<float>(glm::dot(Vec3d(grid.slab.normal), grid.cage->anchor - frame_.anchor));
     return {box, {grid.slab.normal, grid.slab.lo + shift - off, grid.slab.hi + shift + off}};

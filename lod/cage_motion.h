@@ -56,7 +56,8 @@ public:
     double least_distance_across(Vec3d eye) const;
     /// Returns an estimate of the least radius with which the surface of a rigid cage bends, in world length.
     double least_radius(const CageCurvature& curvature) const;
-    /// Makes the cage at the keys of a motion of so many segments. All keys are copies of `still`, in the same dicing frame.
+    /// Makes the cage at the keys of a motion of so many segments. All keys are copies of `still`, in the same dicing frame,
+    /// unless there is a still pose that goes far.
     PosedCage& make_keys(const PosedCage& still, int segments, const PosingTools& tools) const;
     /// Returns the segments of the scene's shutter in groups in which a cage that moves in so many segments has about the
     /// same size, as masks; fewer than two if it has it in the whole shutter. See growth.h.
@@ -80,6 +81,9 @@ private:
     /// radii   of the cage at each of the keys
     PosedCage& finish_keys(std::span<PosedCage> keys, std::span<const double> radii, std::uint32_t shown,
                            const PosingTools& tools) const;
+    /// Poses each key anew in a dicing frame of its own, where coordinates are small. Call it only if there is a still pose,
+    /// since igrids of keys need one frame.
+    void move_keys_apart(std::span<PosedCage> keys, std::uint32_t shown, const PosingTools& tools) const;
     /// Returns the last key of the scene's shutter, up to this one, that is an end of a segment in `shown`; else the first.
     int shown_key(int key, std::uint32_t shown) const noexcept;
     const Mat4d& world(int key) const noexcept { return world_[world_.size() > 1 ? std::size_t(key) : 0]; }

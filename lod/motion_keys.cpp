@@ -13,6 +13,9 @@ namespace occam::lod {
 namespace {
 
 constexpr std::uint32_t kAllSegments = PosedCage::kAllSegments;
+/// A cage that moves by its nodes alone, and farther than this many of its radii, has a dicing frame for each of its keys.
+/// Boxes grow by 64 ulps of the largest coordinate there: in one frame for all, by more than a 512th of the radius.
+constexpr float kFarInRadii = 256;
 
 /// Returns the map from a pose's dicing frame to object axes, unless the pose is so flat that rounding spoils it.
 std::optional<Mat4d> inverse_of(const PosedCage& cage) noexcept
@@ -179,11 +182,30 @@ PosedCage& CageMotion::finish_keys(std::span<PosedCage> keys, std::span<const do
     if (keys[0].is_displaced()) share_filters(keys);
     if (moves_by_nodes_alone()) {
         if (!grows_much(radii)) keys[0].still_pose = make_still_pose(keys, shown, tools);
+        if (keys[0].still_pose && keys[0].radius > kFarInRadii * keys[0].still_pose->largest_radius)
+            move_keys_apart(keys, shown, tools);
         keys[0].normal_key = roundest_key(keys);
     }
     keys[0].keys = keys.data();
     keys[0].segments = static_cast<int>(keys.size()) - 1;
     return keys[0];
+}
+
+void CageMotion::move_keys_apart(std::span<PosedCage> keys, std::uint32_t shown, const PosingTools& tools) const
+{
+    const int step = segments_ / (static_cast<int>(keys.size()) - 1);
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+        const int key = shown_key(static_cast<int>(k) * step, shown);
+        PosedCage& cage = keys[k];
+        const bool is_mirrored = cage.is_mirrored;  // a flat pose has it from other keys
+        cage.set_frame(world_box_at(key));
+        cage.set_map(world(key));
+        const CagePose at = pose(key);
+        cage.positions = at.positions.data();
+        if (tools.tables.deformed_clusters) cage.deform(*tools.tables.deformed_clusters, at, tools.arena, tools.counters);
+        cage.is_mirrored = is_mirrored;
+        cage.derive(tools.arena);
+    }
 }
 
 const PosedCage* CageMotion::make_still_pose(std::span<const PosedCage> keys, std::uint32_t shown,

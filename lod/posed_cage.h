@@ -7,7 +7,8 @@
 //
 // A placed cage that moves in the shutter is an array of these, one at each key of its motion (cage_motion.h). They share
 // all that is not a position: the dicing frame, the radius and what displacement adds at most. So they are diced alike. If
-// its nodes alone move it, the keys serve for rates and boxes, and what is diced is one more pose, its still pose.
+// its nodes alone move it, the keys serve for rates and boxes, and what is diced is one more pose, its still pose; where it
+// goes far, each key then has a dicing frame of its own.
 #pragma once
 
 #include <algorithm>

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include "tests/support/campaign.h"
 #include "tests/support/command_test.h"
@@ -201,11 +202,12 @@ std::vector<HostileMove> hostile_moves()
 // Each of these motions makes a picture of finite numbers, within the memory of a small scene.
 TEST(HostileMotion, MakesAPictureOfFiniteNumbers)
 {
-    int usual = 4;  // by default each motion is tested with one number of segments, in turns
+    // By default each motion is tested with one number of segments, in turns, but for one that only several segments have.
+    int usual = 4;
     for (const HostileMove& motion : hostile_moves()) {
         usual = 5 - usual;
         for (const int segments : {1, 4}) {
-            if (segments != usual && !is_long()) continue;
+            if (segments != usual && !is_long() && motion.name != std::string_view("teleports")) continue;
             Scene scene;
             const NodeId node = place(scene, scene.add(torus()), {0, 0, 0});
             const NodeId other = place(scene, scene.add(spindle(5)), {0, 0, -1});
