@@ -286,7 +286,7 @@ void resolve(std::span<const Ray> rays, const RayAxes& axes, std::span<const Gri
     const HitsRead read(rays, met, tools.frame);
     if (!read.any) return;
     HitCorners corners(met, read.spots);
-    const HitRays placed(rays, met, *read.any, read.in_still);
+    HitRays placed(rays, met, *read.any, read.in_still);
     const vfloat(&way)[4] = placed.way;
     placed.set_positions(corners, read.coarse_starts);
     corners.set_attributes(tools);
@@ -348,7 +348,7 @@ bool is_back_side(const Ray& ray, const RayAxes& axes, const GridHit& met, const
     const std::span<const GridHit> hits(&met, 1);
     const HitsRead read(rays, hits, frame);
     HitCorners corners(hits, read.spots);
-    const HitRays placed(rays, hits, *met.grid, read.in_still);
+    HitRays placed(rays, hits, *met.grid, read.in_still);
     placed.set_positions(corners, read.coarse_starts);
     const vfloat zero = 0.0f;
     const vmask is_flat = vfloat::load(read.is_flat) > zero;

@@ -50,7 +50,7 @@ struct HitRays {
         return in_still >> lane & 1 ? still[lane].pose.anchor : met_[lane].grid->cage->anchor;
     }
     /// Sets the positions of the corners, as HitCorners::set_positions() does.
-    void set_positions(HitCorners& corners, unsigned coarse_starts) const noexcept
+    void set_positions(HitCorners& corners, unsigned coarse_starts) noexcept
     {
         const vfloat directions[3] = {way[0], way[1], way[2]}, origins[3] = {origin[0], origin[1], origin[2]};
         if (in_still == 0) return corners.set_positions(directions, origins, origin[3], coarse_starts);
@@ -70,7 +70,19 @@ struct HitRays {
         corners.set_positions({vfloat::load(gradient[0]), vfloat::load(gradient[1]), vfloat::load(gradient[2])},
                               {vfloat::load(from[0]), vfloat::load(from[1]), vfloat::load(from[2])}, vfloat::load(shift),
                               coarse_starts);
+        set_still_shares(corners);
         for_each_in_still([&](std::size_t i) { corners.move_positions(i, still[i].pose); });
+    }
+    /// Puts the weights of the corners in those lanes whose cage is hit in a still pose; call it when positions are set. A
+    /// ray hits there, in coordinates that are rounded otherwise than in the world, and an affine map keeps the weights.
+    void put_still_shares(vfloat (&share)[3]) const noexcept
+    {
+        for (int p = 0; p < 3; ++p) {
+            alignas(32) FloatLanes of;
+            share[p].store(of);
+            for_each_in_still([&](std::size_t i) { of[i] = still_share_[p][i]; });
+            share[p] = vfloat::load(of);
+        }
     }
     /// Takes the corners' normals from still poses to the world; call it when the attributes are set.
     void move_normals(HitCorners& corners) const noexcept
@@ -92,6 +104,8 @@ struct HitRays {
     }
 
 private:
+    /// Sets still_share_ by corners that are still where they are in their still poses.
+    void set_still_shares(const HitCorners& corners) noexcept;
     template <class Call>
     void for_each_in_still(Call&& call) const noexcept
     {
@@ -114,6 +128,7 @@ private:
 
     std::span<const GridHit> met_;
     float still_radius_[kLanes];  ///< valid in the lanes in_still
+    FloatLanes still_share_[3];   ///< the same, by corner
 };
 
 }  // namespace occam::accel

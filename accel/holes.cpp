@@ -19,7 +19,7 @@ Place place_of(const Holes& holes, const Ray& ray, const GridHit& met, const Mic
     const std::span<const Ray> rays(&ray, 1);
     HitCorners corners({&met, 1}, &spot);
     vfloat share[3];
-    const HitRays placed(rays, {&met, 1}, *met.grid, met.grid->cage->affine ? 1u : 0u);
+    HitRays placed(rays, {&met, 1}, *met.grid, met.grid->cage->affine ? 1u : 0u);
     placed.set_positions(corners, 0);
     corners.set_attributes(*holes.frame.scene);
     shares_of(corners, {holes.axes, rays, placed, is_gap(met) ? 1u : 0u}, share);

@@ -1,4 +1,4 @@
-// Tests of what rays hit in still poses: of cages that jump far away while the shutter is open.
+// Tests of what rays hit in still poses: of cages that jump far away while the shutter is open, and where a ray only grazes.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -110,6 +110,56 @@ TEST(StillPose, IsHitWhereverTheCageIsOnItsWayFarAway)
             EXPECT_GT(both, 400);
             EXPECT_LT(one, both / 20) << far;
         }
+}
+
+// Where a micropolygon is edge-on, its area in the world is no larger than the rounding of its corners there, and says
+// nothing about where the ray has hit it.
+TEST(StillPose, IsHitWhereTheRayIsThoughItGrazesAMicropolygon)
+{
+    Stage stage;
+    const NodeId node = place(stage.scene, stage.scene.add(torus(9, 5)), {0, 0, 0});
+    stage.scene.record_shutter(1, [&](double tau) {
+        Trs moved;
+        moved.translation = {0.3 * tau, 0.2 * tau, 0.1 * tau};
+        moved.rotation = {0, std::sin(0.05 * tau), 0, std::cos(0.05 * tau)};
+        stage.scene.set_transform(node, moved);
+    });
+    constexpr int kLevel = -15;
+    const accel::Frame frame = stage.frame(kLevel);
+    accel::Tracer tracer(frame, kPlenty);
+    std::mt19937_64 random(5);
+    const auto ray_at = [](double x, double y, float time) {
+        accel::Ray ray;
+        ray.origin = {x, y, 5};
+        ray.direction = {0, 0, -1};
+        ray.footprint = {std::ldexp(1.0f, kLevel), 0};
+        ray.time = time;
+        return ray;
+    };
+    int found = 0;
+    for (int spot = 0; spot < 4; ++spot) {
+        const float time = 0.3f + 0.01f * float(spot);
+        const double y = 0.02 * spot;
+        double inside = 1, outside = 3;
+        for (int k = 0; k < 45; ++k) {
+            const double middle = 0.5 * (inside + outside);
+            const accel::Ray ray = ray_at(middle, y, time);
+            accel::SurfaceHit hit;
+            tracer.closest({&ray, 1}, {&hit, 1});
+            (hit.is_hit() ? inside : outside) = middle;
+        }
+        std::vector<accel::Ray> rays;
+        for (int k = 0; k < 1000; ++k) rays.push_back(ray_at(inside - 1e-6 * double(random() >> 11) * 0x1p-53, y, time));
+        std::vector<accel::SurfaceHit> hits(rays.size());
+        tracer.closest(rays, hits);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (!hits[i].is_hit()) continue;
+            ++found;
+            const Vec3d on_ray = rays[i].origin + Vec3d(rays[i].direction) * double(hits[i].t);
+            EXPECT_LT(glm::distance(hits[i].position, on_ray), std::ldexp(1.5, kLevel)) << "spot " << spot << ", ray " << i;
+        }
+    }
+    EXPECT_GT(found, 3000);
 }
 
 }  // namespace
