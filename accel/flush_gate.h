@@ -59,7 +59,27 @@ public:
         if (is_broken_) throw Cancelled();
         if (flushes_ != seen) return;
         is_wanted_.store(true, std::memory_order_relaxed);
-        const std::lock_guard alone(inside_);
+        const std::lock_guard while_empty(inside_);
+        drop_and_count(drop);
+    }
+    /// Waits until no worker is inside, calls drop() and then work(), and returns its result. No other worker is inside
+    /// before work() has ended. The rest is as for flush().
+    template <class Drop, class Work>
+    auto alone(Drop&& drop, Work&& work)
+    {
+        const Outside outside(*this);
+        const std::lock_guard turn(turn_);
+        if (is_broken_) throw Cancelled();
+        is_wanted_.store(true, std::memory_order_relaxed);
+        const std::lock_guard while_empty(inside_);
+        drop_and_count(drop);
+        return work();
+    }
+
+private:
+    template <class Drop>
+    void drop_and_count(Drop& drop)
+    {
         is_broken_ = true;
         drop();
         is_broken_ = false;
@@ -67,7 +87,6 @@ public:
         is_wanted_.store(false, std::memory_order_relaxed);
     }
 
-private:
     /// Keeps a worker that is inside out for a scope.
     class Outside {
     public:

@@ -138,11 +138,13 @@ struct Tracer::State {
             return false;
         };
         // Each time the budget is exceeded everything is dropped and the same rays start again in an empty arena: first
-        // all of them once more, then each ray by itself, in the end with more memory, if it needs that.
+        // all of them once more, then each ray by itself, in the end with more memory, if it needs that. In a shared tree
+        // other rays take memory meanwhile; that last time they wait.
         if (fits() || fits()) return;
         if (count == 1) {
             const std::size_t most = std::max(lazy.memory_bytes, kMostBytesOfARay);
-            if (run(first, 1, most)) return lazy.effort.add_rays(1);
+            const auto run_alone = [&] { return run(first, 1, most); };
+            if (gate ? gate->alone([&] { lazy.flush(); }, run_alone) : run_alone()) return lazy.effort.add_rays(1);
             throw error_without_file(
                 "one ray meets more surfaces than fit into " + std::to_string(most >> 20) + " MB" +
                 (frame.holds_swept() ? "; in the kd-tree it meets what passes at any time (the tree of boxes, bvh, helps)"
@@ -156,8 +158,8 @@ struct Tracer::State {
     template <class Run>
     void for_groups(std::span<const Ray> rays, Run&& run)
     {
-        TimeOrder& order = !rays.empty() && (rays.front().kinds & RayKind::Camera) ? order_of_camera_rays
-                                                                                   : order_of_other_rays;
+        const bool are_of_camera = !rays.empty() && (rays.front().kinds & RayKind::Camera);
+        TimeOrder& order = are_of_camera ? order_of_camera_rays : order_of_other_rays;
         const BatchOrder batch = frame.segments > 0 ? order.next(rays.size()) : BatchOrder{1};
         groups.sort(rays, batch.bins);
         are_all_alone = batch.is_alone;
