@@ -144,7 +144,6 @@ bool Tracer::State::run(const RayAxes& axes, std::size_t first, std::size_t coun
 template <bool kWithBlend, class Expect, class Fill>
 void Tracer::State::find_nearest(std::span<const Ray> rays, Expect&& expect, Fill&& fill)
 {
-    const std::uint64_t diced = counters.diced;
     for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t memory_bytes) {
         GridHit met[kPacket];
         const auto take = [&](std::size_t i, std::size_t lane, const Nearest& found, auto& blends) {
@@ -165,7 +164,6 @@ void Tracer::State::find_nearest(std::span<const Ray> rays, Expect&& expect, Fil
         fill(axes, first, std::span<const GridHit>(met, count));
         return is_within(memory_bytes);
     });
-    if (!rays.empty() && rays.front().kinds & RayKind::Camera) counters.diced_for_camera += counters.diced - diced;
 }
 
 void Tracer::closest(std::span<const Ray> rays, std::span<SurfaceHit> hits)
@@ -244,13 +242,14 @@ void Tracer::first_hits(std::span<const Ray> rays, std::span<FirstHit> hits)
 void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occluded)
 {
     State& s = *state_;
-    const std::uint64_t diced = s.counters.diced;
+    const std::uint64_t diced = s.counters.diced, for_camera = s.counters.diced_for_camera;
     s.for_groups(rays, [&](const RayAxes& axes, std::size_t first, std::size_t count, std::size_t memory_bytes) {
         const auto take = [&](std::size_t i, std::size_t lane, const AnyHit& found, auto&) {
             occluded[s.groups.place_of[first + i]] = found.t[lane] == kDead;
         };
         return s.run<AnyHit>(axes, first, count, memory_bytes, take);
     });
+    s.counters.diced_for_camera = for_camera;  // rays may be of all kinds
     s.counters.diced_for_occlusion += s.counters.diced - diced;
 }
 

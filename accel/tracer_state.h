@@ -159,6 +159,7 @@ struct Tracer::State {
     void for_groups(std::span<const Ray> rays, Run&& run)
     {
         const bool are_of_camera = !rays.empty() && (rays.front().kinds & RayKind::Camera);
+        const std::uint64_t diced = counters.diced;
         TimeOrder& order = are_of_camera ? order_of_camera_rays : order_of_other_rays;
         const BatchOrder batch = frame.segments > 0 ? order.next(rays.size()) : BatchOrder{1};
         groups.sort(rays, batch.bins);
@@ -173,6 +174,7 @@ struct Tracer::State {
         });
         if (frame.segments > 0) order.note(rays.size(), visits);
         counters.rays += rays.size();
+        if (are_of_camera) counters.diced_for_camera += counters.diced - diced;
     }
 
     std::unique_ptr<LazyTree> own;  ///< null if the tree is shared

@@ -322,6 +322,28 @@ TEST(Tracer, BuildsLittleMoreThanItsRaysSee)
     EXPECT_LE(double(some.counters().kd_nodes), 4 * share * double(all.counters().kd_nodes));
 }
 
+TEST(Tracer, CountsWhatCameraRaysAreTheFirstToAskForHoweverTheyAsk)
+{
+    Stage stage;
+    place(stage.scene, stage.scene.add(torus()), {0, 0, 0});
+    const accel::Frame frame = stage.frame(-4);
+    std::vector<accel::Ray> rays = rays_towards({0.3, 3, 4}, stage.scene.bounds(), 100, 11);
+    for (const bool are_of_camera : {true, false}) {
+        for (accel::Ray& ray : rays) ray.kinds = are_of_camera ? accel::RayKind::Camera : accel::RayKind::Diffuse;
+        accel::Tracer together(frame, kPlenty), observed(frame, kPlenty);
+        std::vector<accel::SurfaceHit> hits(rays.size() * 2);
+        std::vector<accel::HitCount> counts(rays.size());
+        together.nearest(rays, 2, hits, counts);
+        for (const accel::Ray& ray : rays) observed.observe(ray, hits[0]);
+        for (const accel::Tracer* tracer : {&together, &observed}) {
+            const accel::TraceCounters counters = tracer->counters();
+            EXPECT_GT(counters.diced, 0u);
+            EXPECT_EQ(counters.diced_for_camera, are_of_camera ? counters.diced : 0);
+            EXPECT_EQ(counters.diced_for_occlusion, 0u);
+        }
+    }
+}
+
 TEST(Tracer, MeetsNothingInAnEmptySceneAndWithRaysOfNoDirection)
 {
     Stage empty;
