@@ -199,6 +199,15 @@ std::vector<HostileMove> hostile_moves()
     };
 }
 
+/// Returns how much of the picture is no background.
+double seen_part(const Image& image)
+{
+    const std::vector<float>& pixels = image.layers()[0].pixels;
+    double sum = 0;
+    for (std::size_t i = 3; i < pixels.size(); i += 4) sum += double(pixels[i]);
+    return 4 * sum / double(pixels.size());
+}
+
 // Each of these motions makes a picture of finite numbers, within the memory of a small scene.
 TEST(HostileMotion, MakesAPictureOfFiniteNumbers)
 {
@@ -211,6 +220,7 @@ TEST(HostileMotion, MakesAPictureOfFiniteNumbers)
             Scene scene;
             const NodeId node = place(scene, scene.add(torus()), {0, 0, 0});
             const NodeId other = place(scene, scene.add(spindle(5)), {0, 0, -1});
+            place(scene, scene.add(prism(5)), {-1.6, 0, 0}, 0.5);  // stands in view, whatever the others do
             scene.record_shutter(segments, [&](double tau) {
                 scene.set_transform(node, motion.at(tau));
                 scene.set_transform(other, motion.at(1 - tau));
@@ -218,8 +228,12 @@ TEST(HostileMotion, MakesAPictureOfFiniteNumbers)
             const Camera camera = Camera::look_at({0, 1, 6}, {0, 0, 0}, {0, 1, 0}, 0.7f);
             Settings settings{.width = 16, .height = 12, .spp = 4, .aovs = Aov::Motion};
             settings.shutter = {0, 0.5};
+            settings.background = false;
             Renderer renderer({.threads = 1, .memory_bytes = std::size_t(256) << 20});
             const Image image = renderer.render(scene, camera, settings);
+            // The film makes black of samples that are not finite, so only their count tells of them.
+            EXPECT_EQ(renderer.stats().image.samples_not_finite, 0u) << motion.name;
+            EXPECT_GT(seen_part(image), 0.01) << motion.name;
             for (const Layer& layer : image.layers())
                 for (const float value : layer.pixels)
                     ASSERT_TRUE(std::isfinite(value)) << motion.name << ", " << layer.name;
