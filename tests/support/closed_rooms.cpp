@@ -109,6 +109,7 @@ void shine_from_outside(Scene& scene, const Camera& camera, Vec3d eye, Outside w
                         walls.push_back({hit->position, -Vec3d(hit->normal_geometric), hit->distance});
                 }
     }
+    if (walls.size() != 27) throw Error({}, "a ray from inside meets no wall, so nothing shines behind it");
     for (const Wall& wall : walls) {
         NodeDesc desc;
         if (what == Outside::Lamps) {
@@ -255,6 +256,19 @@ void add_veils(Scene& scene, const Camera& camera, double length)
     }
 }
 
+/// Adds the light that the walls keep out, or the lamp inside.
+void add_light(Scene& scene, const Camera& camera, Vec3d eye, Outside what)
+{
+    if (what == Outside::Sky) {
+        scene.environment.radiance = Vec3f(1000);
+    } else if (what == Outside::LampInside) {
+        scene.add_node(scene.root(),
+                       {.place = {.translation = eye}, .light = scene.add(Light{"lamp", PointLight{Vec3f(9)}})});
+    } else {
+        shine_from_outside(scene, camera, eye, what);
+    }
+}
+
 int lit_pixels(const Room& room, const Look& look)
 {
     Scene scene;
@@ -291,11 +305,9 @@ int lit_pixels(const Room& room, const Look& look)
         scene.add_node(scene.root(), other);
     }
     const NodeId node = scene.add_node(scene.root(), desc);
-    if (look.outside == Outside::Sky) scene.environment.radiance = Vec3f(1000);
     Camera camera = Camera::look_at(transform_point(world_from_room, room.eye),
                                     transform_point(world_from_room, room.target), {0, 1, 0}, look.field);
-    if (look.outside != Outside::Sky)
-        shine_from_outside(scene, camera, transform_point(world_from_room, room.eye), look.outside);
+    add_light(scene, camera, transform_point(world_from_room, room.eye), look.outside);
     const double length = std::cbrt(std::abs(glm::determinant(Mat3d(world_from_room))));
     camera.lens.radius = static_cast<float>(look.lens * length);
     camera.lens.focus = static_cast<float>(look.focus * length);

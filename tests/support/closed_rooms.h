@@ -28,8 +28,8 @@ enum class Moves { Not, Slides, Turns, Grows, Bends };
 
 /// What shines outside: a sky; point lights behind the walls, by a fiftieth of the way from the camera; or emissive panels
 /// along the walls, by so little behind them that they barely do not touch. Lamps are for convex rooms, and panels for those
-/// whose walls are flat, too.
-enum class Outside { Sky, Lamps, Panels };
+/// whose walls are flat, too. Nothing shines outside if there is a lamp at the camera's eye, which lights the room.
+enum class Outside { Sky, Lamps, Panels, LampInside };
 
 struct Look {
     float rate = 1;

@@ -189,6 +189,38 @@ Look random_look(std::mt19937_64& random)
     return look;
 }
 
+/// Brings a cage to the size of rooms for which the lengths of displacement are meant.
+void fit_lengths(Cage& cage)
+{
+    const Box3d box = cage.bounds();
+    for (Vec3f& p : cage.positions) p = Vec3f((Vec3d(p) - box.centre()) * (1.5 / box.radius()));
+}
+
+/// Counts what random looks have been.
+struct Looks {
+    int all = 0, displaced = 0, instanced = 0, sheared = 0, mirrored = 0, paths = 0, modes[3] = {};
+
+    void add(const Look& look)
+    {
+        ++all;
+        displaced += look.displaced;
+        instanced += look.instanced;
+        sheared += look.sheared;
+        mirrored += look.place->scale.z < 0;
+        paths += look.integrator == IntegratorKind::Path;
+        ++modes[int(look.lod)];
+    }
+    /// Each of them has been so at least once, and otherwise at least once.
+    void expect_all_kinds() const
+    {
+        for (const int count : {displaced, instanced, sheared, mirrored, paths}) {
+            EXPECT_GT(count, 0);
+            EXPECT_LT(count, all);
+        }
+        for (const int count : modes) EXPECT_GT(count, 0);
+    }
+};
+
 /// The patches of a flat face that is not convex overlap, and some reach beyond its border, at each level in another way.
 TEST(ClosedRooms, AreDarkOverFloorsThatAreNotConvex)
 {
@@ -234,6 +266,16 @@ TEST(ClosedRooms, AreDarkThoughLightsAreJustOutside)
     }
 }
 
+/// The rooms of these tests are dark because of their walls: a lamp inside lights them, also through veils.
+TEST(ClosedRooms, AreLitFromInside)
+{
+    for (const Room& room : rooms())
+        for (const bool is_veiled : {false, true}) {
+            const Look look{.outside = Outside::LampInside, .veiled = is_veiled};
+            EXPECT_EQ(lit_pixels(room, look), look.width * look.height) << room.name << (is_veiled ? ", veiled" : "");
+        }
+}
+
 /// Where two cages cross, a ray that starts on one of them may start behind the other: its start is moved to the mesh of one
 /// level, while its parent saw both cages between two levels. So it is moved to the level that is nearer at the hit. Few
 /// pixels may be lit all the same, and none where there is one level only.
@@ -267,9 +309,7 @@ TEST(ClosedRooms, AreDarkForEverySharedCageHoweverItIsPlaced)
         if (name.starts_with("made:") || (!is_long() && ++number % 5 != 0)) continue;
         Room room{name, load_cage(name)};
         if (room.cage.face_count() > 3000 && !is_long()) continue;
-        // The lengths of displacement are those of rooms of about this size.
-        const Box3d box = room.cage.bounds();
-        for (Vec3f& p : room.cage.positions) p = Vec3f((Vec3d(p) - box.centre()) * (1.5 / box.radius()));
+        fit_lengths(room.cage);
         const std::optional<Vec3d> eye = point_inside(room.cage, random);
         if (!eye) continue;
         room.eye = *eye;
@@ -284,12 +324,12 @@ TEST(ClosedRooms, AreDarkForEverySharedCageHoweverItIsPlaced)
 }
 
 /// Every closed cage of the tests is a room, and so are what refining it gives and its mix of quads and triangles: turned,
-/// stretched, mirrored, displaced and instanced, with settings that change from one to the next.
+/// stretched, mirrored, displaced and instanced, with settings that are drawn at random, each apart from the others.
 TEST(ClosedRooms, AreDarkForEveryMadeCageHoweverItIsPlaced)
 {
     std::mt19937_64 random(8);
-    const auto uniform = [&](double low, double high) { return low + (high - low) * double(random() >> 11) * 0x1p-53; };
     int number = 0, tested = 0;
+    Looks seen;
     for (const MadeCage& made : made_cages()) {
         ++number;
         if (!made.is_closed || (!is_long() && number % 4 != 0)) continue;
@@ -300,23 +340,18 @@ TEST(ClosedRooms, AreDarkForEveryMadeCageHoweverItIsPlaced)
                   kind == 1   ? refined(made.cage, true)
                   : kind == 2 ? with_triangles(made.cage, std::uint32_t(number))
                               : made.cage};
+        fit_lengths(room.cage);
         const std::optional<Vec3d> eye = point_inside(room.cage, random);
         if (!eye) continue;
         room.eye = *eye;
-        room.target = *eye + Vec3d(uniform(-1, 1), uniform(-0.5, 0.5), uniform(-1, 1));
-        Look look;
-        look.rate = std::exp2(float(number / 4 % 7) - 2);
-        look.lod = render::Lod(number / 4 % 3);
-        look.integrator = kBoth[number / 4 % 2];
-        look.instanced = number / 4 % 2 == 1;
-        look.place = Trs();
-        look.place->translation = Vec3d(uniform(-50, 50), uniform(-50, 50), uniform(-50, 50));
-        look.place->rotation = glm::normalize(Vec4d(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(0.1, 1)));
-        look.place->scale = Vec3d(uniform(0.5, 2), uniform(0.5, 2), uniform(0.5, 2) * (number / 4 % 3 == 1 ? -1 : 1));
+        room.target = *eye + Vec3d(0.3, -0.1, 0.8);
+        const Look look = random_look(random);
         expect_dark(room, look);
+        seen.add(look);
         ++tested;
     }
     EXPECT_GE(tested, is_long() ? 25 : 6);
+    seen.expect_all_kinds();
 }
 
 }  // namespace
