@@ -79,6 +79,25 @@ std::string replay_line(const accel::Ray& ray, int level)
     return out.str();
 }
 
+/// Returns whether the ray was outside of the mesh before it met a front side: all winding numbers around one of the places
+/// before the hit are low. Otherwise the surface folds there, or the ray grazes an outline.
+/// corners   of the mesh, about `anchor`
+bool was_out_before(const accel::Ray& ray, const accel::SurfaceHit& hit, const std::vector<Vec3f>& corners, Vec3d anchor,
+                    double radius)
+{
+    const Vec3d along = glm::normalize(Vec3d(ray.direction));
+    const Vec3d x = glm::normalize(glm::cross(along, std::abs(along.x) < 0.5 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0)));
+    const Vec3d y = glm::cross(along, x);
+    for (const double part : {0x1p-1, 0x1p-4, 0x1p-8}) {
+        const Vec3d before = ray.origin - anchor + along * (double(hit.t) * (1 - part));
+        bool is_out = true;
+        for (const Vec3d beside : {Vec3d(0), x, -x, y, -y})
+            is_out = is_out && winding_number(corners, before + beside * (0x1p-18 * radius)) < 0.5;
+        if (is_out) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int exponent, std::uint64_t rays,
@@ -103,6 +122,14 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
         {.textures = textures});
     accel::Tracer tracer(frame, std::size_t(1) << 30);
 
+    std::vector<Vec3f> corners;
+    Box3d box;
+    for (const MeshTriangle& t : mesh)
+        for (const Vec3f v : t.v) {
+            box.add(Vec3d(v));
+            if (!t.is_gap) corners.push_back(v);
+        }
+    int fronts_left = 8;  // a winding number takes as long as many rays, and a cage that folds has many front sides
     std::vector<accel::Ray> batch(2048);
     std::vector<accel::SurfaceHit> hits(batch.size());
     while (count.rays < rays) {
@@ -116,7 +143,10 @@ EscapeCount count_escapes(const Cage& cage, const Mat4d& world_from_object, int 
             if (hit.is_hit()) {
                 const Vec3d all = hit.position + Vec3d(hit.normal_geometric) + Vec3d(hit.normal_shading);
                 count.not_finite += !std::isfinite(all.x + all.y + all.z + hit.t);
-                continue;
+                if (hit.back_side || fronts_left == 0) continue;
+                --fronts_left;
+                if (!was_out_before(batch[i], hit, corners, diced.posed.anchor, box.radius())) continue;
+                ++count.met_again;
             }
             if (count.escaped++ < 5) count.replay += replay_line(batch[i], level);
         }

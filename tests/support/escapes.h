@@ -11,8 +11,9 @@ namespace occam::test {
 
 struct EscapeCount {
     std::uint64_t rays = 0, escaped = 0, not_finite = 0;
-    std::size_t starts = 0;  ///< points inside from which rays start; 0: nothing could be tested
-    std::string replay;      ///< the first escapes, as origin and direction
+    std::uint64_t met_again = 0;  ///< of the escaped: those that have met the cage again from outside
+    std::size_t starts = 0;       ///< points inside from which rays start; 0: nothing could be tested
+    std::string replay;           ///< the first escapes, as origin and direction
 };
 
 /// Places the cage by `world_from_object` and shoots `rays` rays from inside, of which 45 % are aimed at T-vertices (if

@@ -24,7 +24,9 @@ void expect_no_escape(const Cage& cage, int exponent, const TextureStore* textur
     for (const Mat4d& place : {Mat4d(1), far}) {
         if (is_left_out(cage, place)) continue;
         const EscapeCount count = count_escapes(cage, place, exponent, rays_per_cage(), 1, textures);
-        if (count.starts == 0) GTEST_SKIP() << "no start point whose winding number is 1";
+        // Some shared cages have no such point, and are tested in the long form alone.
+        if (count.starts == 0 && is_long()) GTEST_SKIP() << "no start point whose winding number is 1";
+        ASSERT_GT(count.starts, 0u) << "no start point whose winding number is 1";
         EXPECT_EQ(count.escaped, 0u) << "of " << count.rays << '\n' << count.replay;
         EXPECT_EQ(count.not_finite, 0u);
     }

@@ -34,8 +34,9 @@ void expect_no_escape(const Cage& cage, const TextureStore* textures = nullptr)
         settings.overlap_ulps = place == Mat4d(1) ? 4.0f : 0.0f;
         const VerifiedCage found = verify(cage, place, settings, textures);
         // Rays start inside. Where nothing is certainly inside, as in a surface that crosses itself, none can be told to
-        // escape.
-        if (found.rays == 0) GTEST_SKIP() << found.not_testable;
+        // escape. Only some shared cages are like that, of those that the long form tests.
+        if (found.rays == 0 && is_long()) GTEST_SKIP() << found.not_testable;
+        ASSERT_GT(found.rays, 0u) << found.not_testable;
         std::string replay;
         for (const std::string& line : found.replay) replay += line + '\n';
         EXPECT_EQ(found.escaped, 0u) << "of " << found.rays << " at " << place[3].x << '\n' << replay;

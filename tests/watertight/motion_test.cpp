@@ -106,7 +106,8 @@ TEST_P(MovingShapes, LetNoRayOut)
     }
     // Rays start inside. Where no point is certainly inside of the cage, as in one that crosses itself or is thinner than
     // its edges, none can be told to escape.
-    if (tested == 0) GTEST_SKIP() << why_none;
+    if (tested == 0 && is_long()) GTEST_SKIP() << why_none;
+    EXPECT_GT(tested, 0u) << why_none;
 }
 INSTANTIATE_TEST_SUITE_P(Shapes, MovingShapes, testing::ValuesIn(moving_shapes()), shape_test_name);
 
