@@ -76,7 +76,8 @@ constexpr float kLeastLift = 0.25f;
 // Returns the shading normal, tilted towards the eye as far as it takes for a mirror to reflect the eye's ray to above
 // the facet. Rays that a normal map, or the interpolation over a coarse mesh, sends below it would be lost, and leave
 // black rings on metals (Keller et al. 2017). A normal that turns away from the eye is tilted as one across the eye's ray
-// is. So the normal is on the side of the eye, and on that of the facet.
+// is. So the normal is on the side of the eye, and on that of the facet: where the eye is so low that rounding may turn
+// away the normal between the two directions, which are nearly opposite, the facet's is taken.
 Vec3f reflecting_normal(Vec3f normal, const ShadePoint& p) noexcept
 {
     const Vec3f facet = p.normal_geometric;
@@ -91,7 +92,7 @@ Vec3f reflecting_normal(Vec3f normal, const ShadePoint& p) noexcept
     const Vec3f lifted = along * (std::sqrt(1 - lift * lift) / length) + facet * lift;
     const Vec3f half = lifted + p.to_eye;
     const float half_length = glm::length(half);
-    return half_length > 1e-6f ? half / half_length : facet;
+    return glm::dot(half, p.to_eye) >= 0.5f * lift * half_length && half_length > 1e-6f ? half / half_length : facet;
 }
 
 struct Dielectric {

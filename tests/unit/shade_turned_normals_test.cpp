@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shade/surface.h"
+#include "shade/transmission.h"
 #include "tests/support/furnace.h"
 #include "tests/support/statistics.h"
 
@@ -66,6 +67,51 @@ TEST(TurnedNormals, AreTiltedToTheSideOfTheEyeAndOfTheFacet)
                     EXPECT_GT(glm::dot(normal, s.normal_geometric), 0) << kind.name << ' ' << i;
                 }
             });
+}
+
+// At the lowest cosines the directions of the eye and of its reflection are so nearly opposite that the rounding of what
+// lies between them counts. So the facets lie in any axes.
+TEST(TurnedNormals, AreOnTheSideOfAnEyeAsLowAsOneMayBe)
+{
+    const TextureStore textures(1 << 20);
+    Material metal;
+    Numbers numbers(5);
+    for (const float height : {1e-2f, 1e-3f, 3e-4f, 1e-4f, 1e-5f, 1e-6f})
+        for (int i = 0; i < 500; ++i) {
+            ShadePoint p;
+            p.material = &metal;
+            const Vec2f facet = numbers.square(), away = numbers.square();
+            const ShadingFrame axes(direction(2 * facet.x - 1, 6.2831853f * facet.y));
+            p.normal_geometric = axes.z;
+            p.to_eye = glm::normalize(axes.to_world(direction(height, 6.2831853f * numbers.one())));
+            p.normal_shading = glm::normalize(axes.z - p.to_eye * (0.05f + 0.25f * away.x) + axes.x * (0.05f * away.y));
+            const float facing = glm::dot(p.normal_geometric, p.to_eye);
+            if (!(facing > 0)) continue;
+            const Surface s = evaluate(p, textures);
+            EXPECT_GT(glm::dot(s.normal, s.to_eye), 0.12f * facing) << height << ' ' << i;
+            EXPECT_GT(glm::dot(s.normal, s.normal_geometric), 0) << height << ' ' << i;
+        }
+}
+
+// A pane under a coat may get light from a direction that its own lobe does not draw. The light of that direction would
+// have the weight of the coat's density, which may be as low as one likes.
+TEST(TurnedNormals, OfAPaneLetNoLightThroughWhereNoneIsDrawn)
+{
+    Numbers numbers(13);
+    int none = 0;
+    for (int i = 0; i < 2'000; ++i) {
+        Surface s;
+        s.normal = s.normal_geometric = {0, 0, 1};
+        s.to_eye = direction(-0.02f * numbers.one(), 6.2831853f * numbers.one());
+        s.alpha = 0.02f + 0.9f * numbers.one();
+        s.transmission = Vec3f(1);
+        s.dielectric_f0 = 0.04f;
+        const Vec3f to_light = direction(-0.02f * numbers.one(), 6.2831853f * numbers.one());
+        if (pane_density(s, to_light) > 0) continue;
+        ++none;
+        EXPECT_EQ(pane_transmission(s, to_light), Vec3f(0)) << i;
+    }
+    EXPECT_GT(none, 200);
 }
 
 // In a white furnace the mean weight of the samples is what the surface scatters. A few samples at grazing angles weigh some
