@@ -110,7 +110,7 @@ FrameLights::FrameLights(const Scene& scene, const Camera& camera, const Texture
     has_default_ = has_none && otherwise.sky != Sky::Off && otherwise.is_wanted.value_or(!relies_on_emitters_);
     if (has_default_) gathering.add(key_light(camera));
     if (is_dark && (otherwise.sky == Sky::On || has_default_)) environment_ = Environment::sky(otherwise.sky_strength);
-    placed_ = gathering.finish();
+    placed_ = gathering.finish(middle);
     if (!kept || placed_ != kept->placed) check_crossed(placed_->lights);
     if (kept) kept->placed = placed_;
     make_mesh_tree();

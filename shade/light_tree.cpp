@@ -17,6 +17,10 @@ constexpr int kBins = 12;
 constexpr std::size_t kMostBinned = 512;
 // The box of a light is padded by this share of its coordinates and of its size.
 constexpr float kPad = 0x1p-18f;
+// Lights within this distance of the middle of a scene, in each axis, are near it; the scene's largest side is from 1 to 2.
+constexpr double kNearScene = 64;
+// The origin beside far lights is a multiple of this in each axis.
+constexpr double kOriginStep = 4;
 
 Vec3f unit_or(Vec3f v, Vec3f fallback) noexcept
 {
@@ -115,12 +119,21 @@ LightTree::Emitter LightTree::merged(std::span<const Emitter> parts) noexcept
     return e;
 }
 
-LightTree::LightTree(std::span<const WorldLight> lights, std::size_t first) : first_(static_cast<std::uint32_t>(first))
+Vec3d LightTree::origin_for(const Box3d& places, std::optional<Vec3d> middle) noexcept
+{
+    if (!middle) return places.centre();
+    const Vec3d farthest = glm::max(glm::abs(places.lo - *middle), glm::abs(places.hi - *middle));
+    const bool are_near = std::max({farthest.x, farthest.y, farthest.z}) <= kNearScene;
+    return are_near ? places.centre() : glm::round(*middle / kOriginStep) * kOriginStep;
+}
+
+LightTree::LightTree(std::span<const WorldLight> lights, std::size_t first, std::optional<Vec3d> middle)
+    : first_(static_cast<std::uint32_t>(first))
 {
     Box3d places;
     for (const WorldLight& light : lights.subspan(first)) places.add(light.position);
     if (places.is_empty()) return;
-    origin_ = places.centre();
+    origin_ = origin_for(places, middle);
     std::vector<Leaf> leaves;
     for (std::size_t i = first; i < lights.size(); ++i) {
         const Emitter e = emitter_of(lights[i]);

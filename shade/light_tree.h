@@ -12,7 +12,8 @@
 // parts of their own, which are sampled without any choice, and all that is far away is one part or a few (adaptive
 // splitting in the same paper). From parts that give little a light is drawn by chance.
 //
-// Space    world axes, relative to an origin of the tree's own; floats.
+// Space    world axes, relative to an origin of the tree's own; floats. Boxes are padded by what floats lose there, so the
+//          origin is where the receivers are: a light that is very far away from it needs no better.
 // Memory   about 160 bytes a light.
 // Threads  const after construction.
 #pragma once
@@ -21,6 +22,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -60,7 +62,12 @@ public:
 
     LightTree() = default;
     /// Makes a tree over the lights of the list from index `first` on, none of which may be a sun.
-    LightTree(std::span<const WorldLight> lights, std::size_t first);
+    /// middle   that of the scene; none: that of the lights
+    LightTree(std::span<const WorldLight> lights, std::size_t first, std::optional<Vec3d> middle = {});
+    /// Returns the origin of a tree over lights in a box: the middle of the box, unless a light is so far from the scene
+    /// that floats would not tell those near it apart. Then it is a place near the middle of the scene, the same one while
+    /// the scene moves by less than its size.
+    static Vec3d origin_for(const Box3d& places, std::optional<Vec3d> middle) noexcept;
     /// Makes a tree over `count` parts of emissive surfaces, which triangles_of(part) returns until it is called again.
     template <class TrianglesOf>
     LightTree(std::size_t count, Vec3d origin, TrianglesOf&& triangles_of);

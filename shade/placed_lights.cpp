@@ -27,13 +27,15 @@ static_assert(sizeof(WorldLight) == 112, "is_same() has to compare every member"
 
 }  // namespace
 
-PlacedLights::PlacedLights(std::vector<WorldLight> all) : lights(std::move(all)), outside_tree(lights.size())
+PlacedLights::PlacedLights(std::vector<WorldLight> all, std::optional<Vec3d> middle)
+    : lights(std::move(all)), outside_tree(lights.size())
 {
     if (lights.size() > kMostWithoutTree) {
         const auto in_tree = std::stable_partition(
             lights.begin(), lights.end(), [](const WorldLight& light) { return light.kind == WorldLight::Kind::Sun; });
         outside_tree = static_cast<std::size_t>(in_tree - lights.begin());
-        tree = LightTree(lights, outside_tree);
+        tree = LightTree(lights, outside_tree, middle);
+        for (std::size_t i = outside_tree; i < lights.size(); ++i) places.add(lights[i].position);
     }
     for (std::uint32_t i = 0; i < outside_tree; ++i)
         if (lights[i].has_extent()) with_extent.push_back(i);
@@ -77,13 +79,15 @@ void LightGathering::add(const WorldLight& light)
     lights_.push_back(light);
 }
 
-KeptLights LightGathering::finish()
+KeptLights LightGathering::finish(std::optional<Vec3d> middle)
 {
     if (is_comparing_) {
-        if (same_suns_ + same_others_ == last_->lights.size()) return std::move(last_);
+        const bool are_same = same_suns_ + same_others_ == last_->lights.size();
+        if (are_same && (last_->places.is_empty() || LightTree::origin_for(last_->places, middle) == last_->tree.origin()))
+            return std::move(last_);
         stop_comparing();
     }
-    return std::make_shared<const PlacedLights>(std::move(lights_));
+    return std::make_shared<const PlacedLights>(std::move(lights_), middle);
 }
 
 }  // namespace occam::shade

@@ -6,8 +6,11 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "shade/albedo_table.h"
+#include "shade/frame_lights.h"
 #include "shade/light_lanes.h"
 #include "shade/sheen.h"
 #include "tests/support/shape_builders.h"
@@ -105,6 +108,82 @@ TEST(Tables, LookUpsOfWhatIsNotANumberStayWithinTheTables)
             EXPECT_EQ(lanes.of[0], one) << x << ' ' << y;
             EXPECT_EQ(means.of[kLanes - 1], mean) << x;
         }
+}
+
+// Returns a floor of a unit's size with a field of lamps over it, and a point light at that distance, if it is above zero.
+Scene field_of_lamps(double far)
+{
+    Scene scene;
+    Cage floor;
+    floor.scheme = Scheme::Triangles;
+    floor.positions = {{0, 0, 1}, {1, 0, 1}, {1, 0, 0}, {0, 0, 0}};
+    floor.face_vertices = {0, 1, 2, 0, 2, 3};
+    test::place(scene, scene.add(std::move(floor)), Vec3d(0));
+    NodeDesc desc;
+    desc.light = scene.add(Light{"lamp", AreaLight{AreaLight::Shape::Sphere, Vec2f(1e-3f), Vec3f(1)}});
+    for (int i = 0; i < 400; ++i) {
+        desc.place.translation = Vec3d((i % 20 + 0.5) / 20, 0.02, (i / 20 + 0.5) / 20);
+        scene.add_node(scene.root(), desc);
+    }
+    if (far > 0) {
+        desc.light = scene.add(Light{"far", PointLight{Vec3f(static_cast<float>(1e-6 * far * far))}});
+        desc.place.translation = Vec3d(0.1, 1, 0) * far;
+        scene.add_node(scene.root(), desc);
+    }
+    scene.refit();
+    return scene;
+}
+
+// Lamps near a point are drawn as often, and a ray crosses the boxes of as few, whatever stands far away.
+TEST(FarLights, LeaveLampsThatAreNearApart)
+{
+    const TextureStore textures(1 << 20);
+    const Scene alone = field_of_lamps(0);
+    const FrameLights few(alone, {}, textures);
+    ASSERT_FALSE(few.tree().is_empty());
+    for (const double far : {10.0, 60.0, 70.0, 1e3, 1e5, 1e6, 1e9, 1e14}) {
+        const Scene scene = field_of_lamps(far);
+        const FrameLights lights(scene, {}, textures);
+        ASSERT_EQ(lights.lights().size(), few.lights().size() + 1);
+        double sum = 0, of_few = 0;
+        for (std::uint32_t i = 3; i < 400; i += 9) {
+            const Vec3d point = few.lights()[i].position + Vec3d(0.002, -0.01, 0);
+            const auto expected = [&](const FrameLights& of) {
+                return double(of.tree().expected(i, {of.tree().relative(point), {0, 1, 0}, kAllGroups, false}, 1));
+            };
+            sum += expected(lights);
+            of_few += expected(few);
+            int crossed = 0;
+            lights.tree().for_crossed(point, {0, 1, 0}, [&](std::uint32_t) { ++crossed; });
+            EXPECT_LE(crossed, 1) << far << ' ' << i;
+        }
+        EXPECT_GT(sum, 0.9 * of_few) << far;  // the far light changes the order of cuts
+    }
+}
+
+// Where lights are far away, their tree depends on where the scene is, too.
+TEST(FarLights, AreKeptUntilTheSceneIsElsewhere)
+{
+    std::vector<WorldLight> lights(40);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        lights[i].position = Vec3d(double(i), 2, 0);
+        lights[i].strength = Vec3f(1);
+    }
+    const auto gathered = [&](const KeptLights& last, Vec3d middle) {
+        LightGathering gathering(last);
+        for (const WorldLight& light : lights) gathering.add(light);
+        return gathering.finish(middle);
+    };
+    const KeptLights near = gathered(nullptr, Vec3d(0));
+    EXPECT_EQ(gathered(near, Vec3d(9, 0, 1)), near);
+    lights.back().position.y = 1e7;
+    const KeptLights far = gathered(near, Vec3d(0));
+    EXPECT_EQ(far->tree.origin(), Vec3d(0));
+    EXPECT_EQ(gathered(far, Vec3d(1, 0, -1)), far);
+    const KeptLights moved = gathered(far, Vec3d(9, 0, 1));
+    EXPECT_NE(moved, far);
+    EXPECT_EQ(moved->lights.size(), lights.size());
+    EXPECT_EQ(moved->tree.origin(), gathered(nullptr, Vec3d(9, 0, 1))->tree.origin());
 }
 
 // A surface of each kind of lobe; some of them shade several hits in lanes, and others one by one.
