@@ -1,5 +1,8 @@
 #include "shade/albedo_table.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/simd.h"
 #include "shade/microfacet.h"
 
@@ -74,6 +77,46 @@ LayerAlbedo mix(LayerAlbedo a, LayerAlbedo b, float share) noexcept
 {
     return {a.f0 + (b.f0 - a.f0) * share, a.f90 + (b.f90 - a.f90) * share};
 }
+
+// Scales down an albedo above 1, which is a rounding error.
+LayerAlbedo at_most_one(LayerAlbedo e) noexcept
+{
+    const float sum = e.sum();
+    return sum > 1 ? LayerAlbedo{e.f0 / sum, e.f90 / sum} : e;
+}
+
+float lack(LayerAlbedo e) noexcept { return std::max(0.0f, 1 - e.sum()); }
+
+// What an albedo lacks between two nodes: it is linear in the number y of the node.
+struct Lack {
+    double node, first, slope;
+
+    Lack(std::size_t below, float at_node, float at_next) noexcept
+        : node(static_cast<double>(below)), first(double(at_node)), slope(double(at_next) - double(at_node))
+    {
+    }
+    double at(double y) const noexcept { return first + slope * (y - node); }
+    // Returns the integral of it times y cubed from the node on.
+    double sum_to(double y) const noexcept
+    {
+        const double y4 = y * y * y * y, n4 = node * node * node * node;
+        return (first - slope * node) * (y4 - n4) / 4 + slope * (y4 * y - n4 * node) / 5;
+    }
+    // Returns the place up to which the integral is a part of that up to the next node.
+    double place_of(double part) const noexcept
+    {
+        const double n4 = node * node * node * node, next = node + 1, all = sum_to(next);
+        double low = node, high = next;
+        double y = all > 0 ? std::sqrt(std::sqrt(n4 + part / all * (next * next * next * next - n4))) : node;
+        for (int i = 0; i < 8; ++i) {
+            const double excess = sum_to(y) - part;
+            (excess > 0 ? high : low) = y;
+            const double newton = y - excess / (at(y) * y * y * y);
+            y = newton >= low && newton <= high ? newton : (low + high) / 2;
+        }
+        return y;
+    }
+};
 
 float row_root(float alpha) noexcept { return std::sqrt(std::sqrt(std::max(0.0f, alpha))); }
 const float kLeastRoot = row_root(kMinAlpha);
@@ -166,8 +209,12 @@ void AlbedoTable::make(std::size_t r) noexcept
     auto& row = rows_[r];
     for (int c = 0; c < kCosines; ++c) {
         const float root_of_cosine = std::max(static_cast<float>(c), 0.05f) / (kCosines - 1);
-        row[static_cast<std::size_t>(c)] = integrate(disc, root_of_cosine * root_of_cosine, alpha);
+        row[static_cast<std::size_t>(c)] = at_most_one(integrate(disc, root_of_cosine * root_of_cosine, alpha));
     }
+    lost_below_[r][0] = 0;
+    for (std::size_t c = 0; c + 1 < row.size(); ++c)
+        lost_below_[r][c + 1] = lost_below_[r][c] +
+                                Lack(c, lack(row[c]), lack(row[c + 1])).sum_to(static_cast<double>(c + 1));
     // The mean is that of the interpolated row, so that lobes made of both neither lose nor gain light.
     double f0 = 0, f90 = 0;
     constexpr int kSteps = 16 * (kCosines - 1);
@@ -193,6 +240,39 @@ LayerAlbedo AlbedoTable::mean(Row r) const noexcept
 {
     const auto i = static_cast<std::size_t>(r.below);
     return mix(means_[i], means_[i + 1], r.share);
+}
+
+float AlbedoTable::lost(Row r) const noexcept
+{
+    constexpr double kNodes = kCosines - 1, kScale = 4 / (kNodes * kNodes * kNodes * kNodes);
+    const auto i = static_cast<std::size_t>(r.below);
+    const double below = lost_below_[i].back(), above = lost_below_[i + 1].back();
+    return static_cast<float>(kScale * (below + (above - below) * double(r.share)));
+}
+
+vfloat AlbedoTable::lost(const RowLanes& r) const noexcept
+{
+    alignas(32) float all[kLanes];
+    for (int i = 0; i < kLanes; ++i) all[i] = lost(r.at(i));
+    return vfloat::load(all);
+}
+
+float AlbedoTable::draw_lost(float number, Row r) const noexcept
+{
+    const auto row = static_cast<std::size_t>(r.below);
+    const auto sum_below = [&](std::size_t node) {
+        const double sum = lost_below_[row][node];
+        return sum + (lost_below_[row + 1][node] - sum) * double(r.share);
+    };
+    const auto lack_at = [&](std::size_t node) { return lack(mix(rows_[row][node], rows_[row + 1][node], r.share)); };
+    const double wanted = double(number) * sum_below(kCosines - 1);
+    std::size_t below = 0, above = kCosines - 1;
+    while (above - below > 1) {
+        const std::size_t middle = (below + above) / 2;
+        (sum_below(middle) <= wanted ? below : above) = middle;
+    }
+    const double root = Lack(below, lack_at(below), lack_at(above)).place_of(wanted - sum_below(below)) / (kCosines - 1);
+    return static_cast<float>(root * root);
 }
 
 }  // namespace occam::shade

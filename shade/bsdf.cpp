@@ -98,11 +98,12 @@ void add_opaque(const SurfaceForEye& of, float below, LobeShares& to) noexcept
     const Surface& s = of.surface;
     const float to_base = through(of.layer, of.eye);
     to.layer = below * (luminance(s.f0) * of.eye.f0 + s.f90 * of.eye.f90);
-    to.diffuse = below * (to_base * luminance(s.diffuse) + luminance(of.layer.multiple) * std::max(0.0f, 1 - of.eye.sum()));
+    to.diffuse = below * (to_base * luminance(s.diffuse));
+    to.multiple = below * (luminance(of.layer.multiple) * std::max(0.0f, 1 - of.eye.sum()));
     if (s.is_solid) return;
-    to.pane_diffuse = below * to_base * luminance(s.transmission);
-    to.pane = to.pane_diffuse * single_share(of.layer, of.eye);
-    to.pane_diffuse -= to.pane;
+    to.pane_multiple = below * to_base * luminance(s.transmission);
+    to.pane = to.pane_multiple * single_share(of.layer, of.eye);
+    to.pane_multiple -= to.pane;
 }
 
 LobeShares shares_of(const SurfaceForEye& of, float n_v, float coat_reflects) noexcept
@@ -119,12 +120,14 @@ LobeShares shares_of(const SurfaceForEye& of, float n_v, float coat_reflects) no
     }
     if (below > 0) add_opaque(of, below, to);
     if (s.sheen != Vec3f(0)) {
-        for (float* share : {&to.diffuse, &to.layer, &to.pane, &to.pane_diffuse, &to.body}) *share *= of.sheen.below;
+        for (float* share : {&to.diffuse, &to.multiple, &to.layer, &to.pane, &to.pane_multiple, &to.body})
+            *share *= of.sheen.below;
         to.sheen = (1 - to.coat) * luminance(s.sheen) * of.sheen.reflects;
     }
-    const float sum = to.diffuse + to.layer + to.coat + to.pane + to.pane_diffuse + to.body + to.sheen;
+    const float sum = to.diffuse + to.multiple + to.layer + to.coat + to.pane + to.pane_multiple + to.body + to.sheen;
     if (!(sum > 0)) return {};
-    for (float* share : {&to.diffuse, &to.layer, &to.coat, &to.pane, &to.pane_diffuse, &to.body, &to.sheen}) *share /= sum;
+    for (float* share : {&to.diffuse, &to.multiple, &to.layer, &to.coat, &to.pane, &to.pane_multiple, &to.body, &to.sheen})
+        *share /= sum;
     return to;
 }
 
@@ -138,11 +141,11 @@ float lobe_terminator(Vec3f facet, Vec3f normal, float n_l, Vec3f to_light) noex
 
 // Returns the reflection below the coat of what is opaque or a pane: f times the cosine, with the light on the eye's
 // side and above the horizon.
-// lobe   density and visibility of the layer's microfacets
-Vec3f reflected(const SurfaceForEye& of, Vec3f to_light, const Angles& a, float lobe) noexcept
+// lobe    density and visibility of the layer's microfacets
+// light   albedo of the layer towards the light
+Vec3f reflected(const SurfaceForEye& of, Vec3f to_light, const Angles& a, float lobe, LayerAlbedo light) noexcept
 {
     const Surface& s = of.surface;
-    const LayerAlbedo light = AlbedoTable::instance().at(a.n_l, of.row);
     const Vec3f mirror = reflectance(s.f0, s.f90, schlick(a.v_h)) * lobe + multiple_lobe(of.layer, of.eye, light);
     const Vec3f base = s.diffuse * (into_base(of.layer, of.eye, light) / kPi);
     return mirror * (a.n_l * lobe_terminator(s.normal_geometric, s.normal, a.n_l, to_light)) +
@@ -157,7 +160,7 @@ Vec3f reflected(const SurfaceForEye& of, Vec3f to_light) noexcept
     const float lobe = has_strokes(s)
                            ? Strokes(s).lobe(s, to_light)
                            : ggx_density(a.n_h, a.sin2_h, s.alpha) * ggx_visibility(a.n_l, a.n_v, of.root, s.alpha);
-    return reflected(of, to_light, a, lobe);
+    return reflected(of, to_light, a, lobe, AlbedoTable::instance().at(a.n_l, of.row));
 }
 
 // Returns the transmission of a pane below the coat: f times the cosine.
@@ -180,6 +183,12 @@ float lobe_density(Vec3f normal, Vec3f to_eye, Vec3f to_light, float alpha) noex
 {
     const Angles a(normal, to_eye, to_light);
     return visible_density_over_cosine(a.n_v, a.n_h, a.sin2_h, alpha) / 4;
+}
+
+// Returns the density of directions of that cosine which follow the light that bounces several times.
+float density_of_multiple(const SurfaceForEye& of, float cosine) noexcept
+{
+    return multiple_density(AlbedoTable::instance().at(cosine, of.row), cosine, of.lost);
 }
 
 Vec3f coated(const SurfaceForEye& of, Vec3f below, Vec3f to_light) noexcept
@@ -205,6 +214,7 @@ void SurfaceForEye::set() noexcept
     row = AlbedoTable::row_of(has_strokes(s) ? s.alpha_along : s.alpha);
     layer = layer_of(s, row);
     eye = albedo_of_eye(s, n_v, row);
+    lost = AlbedoTable::instance().lost(row);
     masking = ggx_masking_over_cosine(n_v, s.alpha);
     root = ggx_root(n_v, s.alpha);
     is_plain = !s.is_solid && !has_strokes(s) && !(s.coat > 0) && s.sheen == Vec3f(0) && s.transmission == Vec3f(0);
@@ -223,11 +233,13 @@ float scatter_density(const SurfaceForEye& of, Vec3f to_light) noexcept
     if (share.layer > 0)
         density += share.layer *
                    (has_strokes(s) ? Strokes(s).density(s, to_light) : lobe_density(s.normal, s.to_eye, to_light, s.alpha));
+    if (share.multiple > 0 && n_l > 0) density += share.multiple * density_of_multiple(of, n_l);
     if (share.coat > 0) density += share.coat * lobe_density(s.coat_normal, s.to_eye, to_light, s.coat_alpha);
-    if (share.pane > 0 || share.pane_diffuse > 0)
+    if (share.pane > 0 || share.pane_multiple > 0)
         for_directions_of_pane(s, to_light, [&](Vec3f direction) {
             if (share.pane > 0) density += share.pane * pane_density(s, direction);
-            density += share.pane_diffuse * std::max(-glm::dot(s.normal, direction), 0.0f) / kPi;
+            if (share.pane_multiple > 0)
+                density += share.pane_multiple * density_of_multiple(of, -glm::dot(s.normal, direction));
         });
     if (share.body > 0) density += share.body * body_density(s, to_light);
     if (n_l > 0) density += share.sheen * kHemisphereDensity;
@@ -255,8 +267,11 @@ ScatterWithDensity scatter_with_density(const SurfaceForEye& of, Vec3f to_light)
     ScatterWithDensity both;
     both.density = of.shares.diffuse * std::max(a.n_l, 0.0f) / kPi;
     if (of.shares.layer > 0) both.density += of.shares.layer * ((a.n_h > 0 ? of.masking * normals : 0) / 4);
-    if (a.n_l > 0 && glm::dot(s.normal_geometric, to_light) > 0)
-        both.light = reflected(of, to_light, a, normals * ggx_visibility(a.n_l, a.n_v, of.root, s.alpha));
+    const bool is_lit = glm::dot(s.normal_geometric, to_light) > 0;
+    if (!(a.n_l > 0) || !(is_lit || of.shares.multiple > 0)) return both;
+    const LayerAlbedo light = AlbedoTable::instance().at(a.n_l, of.row);
+    if (of.shares.multiple > 0) both.density += of.shares.multiple * multiple_density(light, a.n_l, of.lost);
+    if (is_lit) both.light = reflected(of, to_light, a, normals * ggx_visibility(a.n_l, a.n_v, of.root, s.alpha), light);
     return both;
 }
 
@@ -293,6 +308,8 @@ ScatterSample sample_scatter(const SurfaceForEye& of, float choice, Vec2f square
     ScatterSample out;
     if (is_chosen(share.diffuse)) {
         out.direction = axes.to_world(cosine_direction(square));
+    } else if (is_chosen(share.multiple)) {
+        out.direction = axes.to_world(multiple_direction(square, of.row));
     } else if (is_chosen(share.sheen)) {
         out.direction = axes.to_world(hemisphere_direction(square));
     } else if (is_chosen(share.layer)) {
@@ -308,9 +325,9 @@ ScatterSample sample_scatter(const SurfaceForEye& of, float choice, Vec2f square
         out.lobe = Lobe::Transmission;
         out.alpha = s.alpha;
         out.direction = through_pane(s, seen_normal(axes, s.to_eye, s.alpha, square));
-    } else if (is_chosen(share.pane_diffuse)) {
+    } else if (is_chosen(share.pane_multiple)) {
         out.lobe = Lobe::Transmission;
-        out.direction = behind_facet(s, -axes.to_world(cosine_direction(square)));
+        out.direction = behind_facet(s, -axes.to_world(multiple_direction(square, of.row)));
     } else if (share.coat > 0) {
         out.lobe = Lobe::Coat;
         out.alpha = s.coat_alpha;

@@ -38,7 +38,8 @@ inline float terminator(const Surface& s, float n_l, Vec3f to_light) noexcept
 
 /// Holds the probability of sampling each lobe, in proportion to what it sends to this eye.
 struct LobeShares {
-    float diffuse = 1, layer = 0, coat = 0, pane = 0, pane_diffuse = 0, body = 0, sheen = 0;
+    float diffuse = 1, layer = 0, coat = 0, pane = 0, body = 0, sheen = 0;
+    float multiple = 0, pane_multiple = 0;  ///< of light that bounces several times, reflected and through a pane
 };
 
 /// Holds a surface together with what its lobes are for its eye, whatever the direction of the light: this is computed once
@@ -51,6 +52,7 @@ struct SurfaceForEye {
     // only distributes the light that the eye's albedo says is lost or let through.
     AlbedoTable::Row row;  ///< the layer's place in the table of albedos
     LayerAlbedo eye;       ///< albedo of the layer towards the eye
+    float lost;            ///< what single scattering loses of the light of all directions
     float masking, root;   ///< ggx_masking_over_cosine() and ggx_root() of the eye
     SheenForEye sheen;     ///< what the sheen does with the light, if there is one
     float below_coat = 1;  ///< share of the light that the coat leaves to what is below it
@@ -105,8 +107,8 @@ struct ScatterWithDensity {
 /// Returns both at once, with the same bits.
 ScatterWithDensity scatter_with_density(const SurfaceForEye& surface, Vec3f to_light) noexcept;
 
-/// Returns an upper bound of the density of any lobe in any direction; it is infinite if light passes straight through
-/// the surface.
+/// Returns an upper bound of scatter_density() in any direction; it is infinite if light passes straight through the
+/// surface.
 float peak_density(const Surface& surface) noexcept;
 
 /// Returns the GGX width of the narrowest lobe, or 1 if there is none.

@@ -3,6 +3,10 @@
 // F is float for one direction, or vfloat for as many as there are lanes, with the same bits.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
+#include "base/maths.h"
 #include "shade/albedo_table.h"
 #include "shade/fresnel.h"
 #include "shade/lane_vectors.h"
@@ -75,6 +79,24 @@ Triple<F> multiple_lobe(const LayerOf<F>& of, LayerAlbedoOf<F> eye, LayerAlbedoO
 {
     const F lost = (1 - eye.sum()) * (1 - light.sum()) / ((1 - of.mean) * kPi);
     return of.multiple * select(of.mean < 1, max(lost, F(0.0f)), F(0.0f));
+}
+
+/// Returns the density of directions that are drawn in the shape of that lobe, per solid angle.
+/// light    the albedo of the direction
+/// cosine   of the direction
+/// lost     of the table of albedos
+template <class F>
+F multiple_density(LayerAlbedoOf<F> light, F cosine, F lost) noexcept
+{
+    return max(1 - light.sum(), F(0.0f)) * max(cosine, F(0.0f)) / (kPi * lost);
+}
+
+/// Returns a direction about +z of that density.
+inline Vec3f multiple_direction(Vec2f square, AlbedoTable::Row row) noexcept
+{
+    const float z = AlbedoTable::instance().draw_lost(square.x, row), radius = std::sqrt(std::max(0.0f, 1 - z * z));
+    const float angle = 2 * kPi * square.y;
+    return {radius * maths::cos(angle), radius * maths::sin(angle), z};
 }
 
 /// Returns the reflectance of the layer under Schlick's curve, whose weight is g.

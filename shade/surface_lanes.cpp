@@ -80,6 +80,7 @@ void SurfaceLanes::complete() noexcept
                                        mix_metal_share_.lanes()},
                     table.mean(row_));
     eye_ = table.at(n_v_, row_);
+    lost_ = table.lost(row_);
     masking_ = ggx_masking_over_cosine(n_v_, alpha);
     root_ = ggx_root(n_v_, alpha);
     vfloat coat = zero;
@@ -90,11 +91,12 @@ void SurfaceLanes::complete() noexcept
     }
     below_coat_ = 1 - coat;
     const vfloat layer = below_coat_ * (luminances(f0) * eye_.f0 + f90 * eye_.f90);
-    const vfloat base = below_coat_ * (through(layer_, eye_) * luminances(diffuse_.lanes()) +
-                                       luminances(layer_.multiple) * max(1 - eye_.sum(), zero));
-    const vfloat sum = base + layer + coat;
+    const vfloat base = below_coat_ * (through(layer_, eye_) * luminances(diffuse_.lanes()));
+    const vfloat multiple = below_coat_ * (luminances(layer_.multiple) * max(1 - eye_.sum(), zero));
+    const vfloat sum = base + multiple + layer + coat;
     const vmask is_any = sum > zero;
     share_diffuse_ = select(is_any, base / sum, vfloat(1.0f));
+    share_multiple_ = select(is_any, multiple / sum, zero);
     share_layer_ = select(is_any, layer / sum, zero);
     share_coat_ = select(is_any, coat / sum, zero);
 }
@@ -123,6 +125,7 @@ SurfaceLanes::Scattering SurfaceLanes::scatter_with_density(const VecLanes& to_l
                   share_layer_ * (select(a.n_h > zero, masking_ * normals, zero) / 4);
     const vfloat lobe = normals * ggx_visibility(a.n_l, n_v_, root_, alpha);
     const LayerAlbedoOf<vfloat> light = AlbedoTable::instance().at(a.n_l, row_);
+    out.density = out.density + share_multiple_ * multiple_density(light, a.n_l, lost_);
     const VecLanes mirror = reflectance(f0_.lanes(), f90_.lanes(), schlick(a.v_h)) * lobe +
                             multiple_lobe(layer_, eye_, light);
     const VecLanes base = diffuse_.lanes() * (into_base(layer_, eye_, light) / kPi);
@@ -155,8 +158,9 @@ LightSampleLanes SurfaceLanes::test_of(const LightSampleLanes& sample, vfloat li
 {
     const Scattering f = scatter_with_density(sample.direction);
     const vfloat zero = 0.0f, own = light_count * sample.density;
-    const vfloat weight = select((sample.density > zero) & (scatter_count > zero), own / (own + scatter_count * f.density),
-                                 vfloat(1.0f));
+    const vmask is_weighed = (sample.density > zero) & (scatter_count > zero) &
+                             (own < vfloat(std::numeric_limits<float>::infinity()));
+    const vfloat weight = select(is_weighed, own / (own + scatter_count * f.density), vfloat(1.0f));
     const VecLanes light = times(f.light, sample.radiance) * weight;
     return {sample.direction, sample.distance, select(is_black(sample.radiance), all_channels(zero), light), sample.density};
 }
@@ -171,19 +175,36 @@ VecLanes SurfaceLanes::reflected_at(const FrameLanes& axes, vfloat alpha, const 
     return normalized(h * (2 * dot(to_eye, h)) - to_eye);
 }
 
+// Returns directions that follow the light of several bounces, for some of the surfaces. So few are drawn at once that they
+// are made one by one.
+VecLanes SurfaceLanes::multiple_at(const FrameLanes& axes, vmask of, vfloat u, vfloat v,
+                                   const VecLanes& otherwise) const noexcept
+{
+    LaneFloats us, vs;
+    us = u, vs = v;
+    LaneVectors local;
+    for (int lane = 0; lane < kLanes; ++lane)
+        local.set(lane,
+                  (bits(of) >> lane & 1) != 0 ? multiple_direction({us.of[lane], vs.of[lane]}, row_.at(lane)) : Vec3f(0));
+    return select(of, axes.to_world(local.lanes()), otherwise);
+}
+
 SurfaceLanes::Samples SurfaceLanes::sample_scatter(vfloat choice, vfloat u, vfloat v) const noexcept
 {
     const vfloat zero = 0.0f;
     const vmask is_diffuse = choice < share_diffuse_;
-    const vmask is_layer = andnot(choice - share_diffuse_ < share_layer_, is_diffuse);
-    const vmask is_coat = andnot(share_coat_ > zero, is_diffuse | is_layer);
+    const vfloat above_diffuse = choice - share_diffuse_;
+    const vmask is_multiple = andnot(above_diffuse < share_multiple_, is_diffuse), is_base = is_diffuse | is_multiple;
+    const vmask is_layer = andnot(above_diffuse - share_multiple_ < share_layer_, is_base);
+    const vmask is_coat = andnot(share_coat_ > zero, is_base | is_layer);
     const FrameLanes axes(normal_.lanes());
     const DiscPoints d(u, v);
     VecLanes direction = axes.to_world({d.x, d.y, sqrt(max(1 - d.x * d.x - d.y * d.y, zero))});
+    if (any(is_multiple)) direction = multiple_at(axes, is_multiple, u, v, direction);
     if (any(is_layer)) direction = select(is_layer, reflected_at(axes, alpha_.lanes(), d), direction);
     if (any(is_coat))
         direction = select(is_coat, reflected_at(FrameLanes(coat_normal_.lanes()), coat_alpha_.lanes(), d), direction);
-    direction = select(is_diffuse | is_layer | is_coat, direction, all_channels(zero));
+    direction = select(is_base | is_layer | is_coat, direction, all_channels(zero));
     const Scattering f = scatter_with_density(direction);
     const vfloat density = select(is_black(direction), zero, f.density);
     const vmask is_drawn = (density > zero) & (density < vfloat(std::numeric_limits<float>::infinity()));

@@ -55,6 +55,7 @@ public:
 
 private:
     struct Angles;
+    VecLanes multiple_at(const FrameLanes& axes, vmask of, vfloat u, vfloat v, const VecLanes& otherwise) const noexcept;
     VecLanes reflected_at(const FrameLanes& axes, vfloat alpha, const DiscPoints& at) const noexcept;
     void add_coat(const VecLanes& to_light, vfloat side, Scattering& to) const noexcept;
 
@@ -67,7 +68,8 @@ private:
     AlbedoTable::RowLanes row_;
     LayerOf<vfloat> layer_;
     LayerAlbedoOf<vfloat> eye_;
-    vfloat n_v_, masking_, root_, below_coat_, coat_n_v_, share_diffuse_, share_layer_, share_coat_;
+    vfloat n_v_, masking_, root_, below_coat_, coat_n_v_, lost_;
+    vfloat share_diffuse_, share_multiple_, share_layer_, share_coat_;
 };
 
 }  // namespace occam::shade

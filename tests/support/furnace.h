@@ -16,7 +16,7 @@ inline Vec3f direction(float cosine, float angle = 0)
 
 /// Returns the radiance towards the eye under a uniform sky of radiance 1: the mean over evenly distributed samples (a
 /// lattice with the generators of Roberts' R3 sequence). A share of `grazing` / 8 of the directions lies near the two
-/// horizons, where light of several bounces between microfacets goes, but few of the surface's own samples.
+/// horizons, where light of several bounces between microfacets goes.
 inline double furnace(const shade::Surface& s, int samples, int grazing)
 {
     const shade::SurfaceForEye eye(s);
