@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "shade/bsdf.h"
 #include "shade/frame_lights.h"
@@ -34,10 +35,13 @@ struct SampleCounts {
     float lights = 1;   ///< samples of the light in question
     float scatter = 1;  ///< directions drawn from the lobes; 0 for a light that is left to its own samples
 
-    /// Returns the weight of a sample that was drawn with density `own` and could have been drawn with density `other`.
+    /// Returns the weight of a sample that was drawn with density `own` and could have been drawn with density `other`. It
+    /// is 1 where floats do not hold the own density, as that of a light which is very small.
     static float weight(float own_count, float own, float other_count, float other) noexcept
     {
-        return own > 0 ? own_count * own / (own_count * own + other_count * other) : 0;
+        const float mine = own_count * own;
+        if (!(mine < std::numeric_limits<float>::infinity())) return 1;
+        return own > 0 ? mine / (mine + other_count * other) : 0;
     }
     float of_light(float light_density, float scatter_density) const noexcept
     {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "tests/support/campaign.h"
 #include "tests/support/statistics.h"
@@ -116,6 +117,18 @@ TEST(DirectLight, LightsCloseByAndNarrowLobesAreWeighedBothWays)
     Surface glass = glossy(0.5f);
     glass.transmission = Vec3f(0.5f);
     EXPECT_FALSE(is_left(glass, square_light(1e6f, 0, 0)));
+}
+
+// A light may be so small that floats do not hold the density of its samples, or that times their number.
+TEST(DirectLight, ASampleOfADensityBeyondFloatsCountsInFull)
+{
+    const Surface s = glossy(0.3f);
+    const Vec3f up = s.normal, full = scatter(s, up);
+    for (const float density : {1e38f, 3e38f, std::numeric_limits<float>::infinity()})
+        for (const float count : {1.0f, 16.0f}) {
+            const ShadowTest test = test_of(s, {up, 1, Vec3f(0.5f), density}, {count, 1});
+            EXPECT_NEAR(test.radiance.x, 0.5f * full.x, 1e-5f * full.x) << density << ' ' << count;
+        }
 }
 
 // No direction is drawn with a higher density than the rule assumes.

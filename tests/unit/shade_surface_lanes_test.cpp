@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "tests/support/statistics.h"
@@ -90,6 +91,7 @@ TEST(SurfaceLanes, HaveTheBitsOfOneSurfaceAtATime)
             to_light.set(k, (first + k) % 13 == 0 ? -block.surfaces[std::size_t(k)].to_eye : direction(numbers));
             radiance.set(k, (first + k) % 17 == 0 ? Vec3f(0) : colour(numbers));
             density.of[k] = (first + k) % 3 == 0 ? 0 : 10 * numbers.one();
+            if ((first + k) % 23 == 0) density.of[k] = std::numeric_limits<float>::infinity();
             distance.of[k] = numbers.one();
             light_count.of[k] = (first + k) % 2 == 0 ? 1 : 0.25f;
             scatter_count.of[k] = (first + k) % 5 == 0 ? 0 : 1;
