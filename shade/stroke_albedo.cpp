@@ -9,12 +9,13 @@
 namespace occam::shade {
 namespace {
 
-constexpr int kRings = 16, kAngles = 32;
+constexpr int kRings = 24, kAngles = 32;
 
 // Visible normals come from the unit disc: rings that get finer towards its rim, where the long tail of GGX is. The weight
-// of a ring is its root, because 1 - radius^2 is the square of the root.
+// of a ring is the square of its root, because 1 - radius^2 is the cube of the root.
 struct Disc {
-    std::array<float, kRings> root, radius;
+    std::array<float, kRings> weight, radius;
+    float whole = 0;  // sum of the weights of all points
     alignas(32) float cosine[kAngles];
     alignas(32) float sine[kAngles];
 
@@ -22,8 +23,9 @@ struct Disc {
     {
         for (int ring = 0; ring < kRings; ++ring) {
             const float x = (static_cast<float>(ring) + 0.5f) / kRings;
-            root[std::size_t(ring)] = x;
-            radius[std::size_t(ring)] = std::sqrt(1 - x * x);
+            weight[std::size_t(ring)] = x * x;
+            radius[std::size_t(ring)] = std::sqrt(1 - x * x * x);
+            whole += kAngles * (x * x);
         }
         for (int i = 0; i < kAngles; ++i) {
             const float angle = (static_cast<float>(i) + 0.5f) / kAngles * 2 * kPi;
@@ -87,16 +89,15 @@ LayerAlbedo stroke_albedo(Vec3f eye, Widths widths) noexcept
         const vfloat cosine = vfloat::load(disc.cosine + i), sine = vfloat::load(disc.sine + i);
         for (std::size_t ring = 0; ring < kRings; ++ring) {
             const auto [a, b] = integrand.at(disc.radius[ring] * cosine, disc.radius[ring] * sine);
-            sum.f0 = sum.f0 + disc.root[ring] * a;
-            sum.f90 = sum.f90 + disc.root[ring] * b;
+            sum.f0 = sum.f0 + disc.weight[ring] * a;
+            sum.f90 = sum.f90 + disc.weight[ring] * b;
         }
         sum.f0.store(f0 + i);
         sum.f90.store(f90 + i);
     }
     LayerAlbedo all{0, 0};
     for (int i = 0; i < kAngles; ++i) all.f0 += f0[i], all.f90 += f90[i];
-    constexpr float kWhole = kAngles * (kRings / 2.0f);  // the sum of the weights
-    return {all.f0 / kWhole, all.f90 / kWhole};
+    return {all.f0 / disc.whole, all.f90 / disc.whole};
 }
 
 }  // namespace occam::shade

@@ -167,6 +167,46 @@ TEST(Anisotropy, TheAlbedoIsItsIntegral)
     }
 }
 
+// Integrates the same finely, over points of the disc from which visible normals come.
+double fine_albedo_of(Vec3f to_eye, Widths widths)
+{
+    const Vec3d eye(to_eye), stretched(double(widths.x) * eye.x, double(widths.y) * eye.y, eye.z);
+    const double length = glm::length(stretched);
+    const Vec3d z = stretched / length, x = glm::normalize(Vec3d(-z.y, z.x, 0)), y = glm::cross(z, x);
+    constexpr int kRings = 60, kAngles = 120;
+    double sum = 0, whole = 0;
+    for (int ring = 0; ring < kRings; ++ring) {
+        // One minus the squared radius is the fourth power of the root.
+        const double root = (ring + 0.5) / kRings, radius = std::sqrt(1 - std::pow(root, 4)), weight = std::pow(root, 3);
+        for (int i = 0; i < kAngles; ++i) {
+            const double angle = (i + 0.5) / kAngles * 2 * double(kPi), p = radius * std::cos(angle);
+            const double q = (1 - z.z) / 2 * std::sqrt(1 - p * p) + (1 + z.z) / 2 * radius * std::sin(angle);
+            const Vec3d on_ball = x * p + y * q + z * std::sqrt(std::max(0.0, 1 - p * p - q * q));
+            const Vec3d h = glm::normalize(
+                Vec3d(double(widths.x) * on_ball.x, double(widths.y) * on_ball.y, std::max(on_ball.z, 1e-6)));
+            const Vec3d light = h * (2 * glm::dot(eye, h)) - eye;
+            whole += weight;
+            if (!(light.z > 0)) continue;
+            const double of_light = glm::length(Vec3d(double(widths.x) * light.x, double(widths.y) * light.y, light.z));
+            sum += weight * light.z * (eye.z + length) / (light.z * length + eye.z * of_light);  // masking of both over one
+        }
+    }
+    return sum / whole;
+}
+
+TEST(Anisotropy, TheAlbedoIsExactForStrokesOfAnyStrength)
+{
+    for (const float across : {0.001f, 0.04f, 0.16f, 0.36f})
+        for (const float strength : {0.05f, 0.3f, 0.6f, 1.0f})
+            for (const float cosine : {0.1f, 0.4f, 0.7f, 0.97f})
+                for (const float angle : {0.05f, 0.4f, 0.8f, 1.5f}) {
+                    const Widths widths{across + (1 - across) * strength * strength, across};
+                    const Vec3f eye = direction(cosine, angle);
+                    EXPECT_NEAR(double(stroke_albedo(eye, widths).sum()), fine_albedo_of(eye, widths), 0.0015)
+                        << across << ' ' << strength << ' ' << cosine << ' ' << angle;
+                }
+}
+
 // What single scattering loses is given back, so a white metal reflects all of a white sky, and so does a dielectric over a
 // white base, which gets what the layer does not reflect.
 TEST(Anisotropy, AWhiteSurfaceReflectsAllOfAUniformSky)
