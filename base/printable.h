@@ -1,4 +1,5 @@
-// Text of files and names as one line that a terminal shows and does not obey.
+// Text of files and names as one line without control characters, which a terminal would obey. Characters that turn the
+// direction of writing around are kept: names in some languages need them.
 #pragma once
 
 #include <string>

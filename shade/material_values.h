@@ -1,10 +1,10 @@
 // Phase one of shading: the values of a material at a point, which do not depend on the view. Textures are looked up and
 // factors applied.
 //
-// Djeu et al. 2011, sec. 5.3. Every value is linear in its texels, so values that are made at grid vertices and
-// interpolated to a hit equal what the interpolated texels would give. Colours that alpha covers in part are interpolated
-// with it as their weight. None of the values depends on where the surface is, which may move while the shutter is open.
-// Colours are linear Rec.709.
+// Djeu et al. 2011, sec. 5.3. Every value is linear in the texels of each map, so values that are made at grid vertices
+// and interpolated to a hit equal what the interpolated texels would give, but where two maps multiply: there they are
+// close. Colours that alpha covers in part are interpolated with it as their weight. None of the values depends on where the
+// surface is, which may move while the shutter is open. Colours are linear Rec.709.
 #pragma once
 
 #include "io/texture/texture_store.h"

@@ -300,8 +300,9 @@ MeshLights::Choice MeshLights::choose(const Receiver& receiver, float number) co
 float MeshLights::area_density(const Place& at, const Receiver& receiver) const noexcept
 {
     if (tree_.is_empty()) return 0;
-    // Several placements of a node have triangles of one number: the nearest to the point counts. The point is a hit's,
-    // which is rounded as the whole of its cage is: it may be beside a box that is as small, or as flat, as the triangle.
+    // Where a node is placed several times, each placement has a triangle of this number: the one nearest to the point
+    // counts. The point is a hit's, which is rounded as the whole of its cage is: it may be beside a box that is as small,
+    // or as flat, as the triangle.
     double nearest = std::numeric_limits<double>::infinity();
     std::uint32_t leaf_hit = 0;
     const Mesh* mesh_hit = nullptr;
