@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/support/mean_of_stills.h"
@@ -175,6 +176,78 @@ TEST(MotionBlur, OfCameraAndCageTogetherOutOfFocus)
         return camera;
     };
     expect_the_mean_of_stills(std::move(moving));
+}
+
+/// Returns the part of a pixel's samples that see a bar, if each moment of the shutter is as likely as any other. The bar is
+/// `width` pixels wide, and its left side goes from `start` by `way` pixels to the right at one speed.
+double coverage_of(int pixel, double start, double width, double way)
+{
+    constexpr int kPlaces = 64;
+    double sum = 0;
+    for (int k = 0; k < kPlaces; ++k) {
+        const double x = pixel + (k + 0.5) / kPlaces;
+        const double comes = std::clamp((x - start - width) / way, 0.0, 1.0), goes = std::clamp((x - start) / way, 0.0, 1.0);
+        sum += (goes - comes) / kPlaces;
+    }
+    return sum;
+}
+
+enum class Slides { Node, Vertices, Camera };
+
+/// Expects the closed form of a shining square that slides before nothing, where each unit of the world is a pixel.
+void expect_coverage(Slides how, int segments)
+{
+    constexpr int kColumns = 40, kRows = 12, kSamples = 256;
+    constexpr double kStart = 6, kWidth = 7, kWay = 22;
+    Scene scene;
+    Material shining;
+    shining.emission = Vec3f(1);
+    shining.base_color = Vec4f(0, 0, 0, 1);
+    Cage square;
+    square.scheme = Scheme::Triangles;
+    square.positions = {{0, -50, 0}, {kWidth, -50, 0}, {kWidth, 50, 0}, {0, 50, 0}};
+    square.face_vertices = {0, 1, 2, 0, 2, 3};
+    square.materials = {scene.add(shining)};
+    const std::vector<Vec3f> rest = square.positions;
+    const CageId cage = scene.add(std::move(square));
+    const NodeId node = place(scene, cage, {kStart, 0, 0});
+    Camera camera = Camera::look_at({kColumns / 2, 0, 10}, {kColumns / 2, 0, 0}, {0, 1, 0}, 0.5f);
+    camera.lens.orthographic = true;
+    camera.lens.height = kRows;
+    scene.record_shutter(segments, [&](double tau) {
+        if (how == Slides::Node) scene.set_transform(node, Trs{.translation = {kStart + kWay * tau, 0, 0}});
+        std::vector<Vec3f> moved = rest;
+        for (Vec3f& p : moved) p.x += static_cast<float>(kWay * tau);
+        if (how == Slides::Vertices) scene.write_vertices(cage, moved);
+    });
+    for (int k = 0; k <= segments && how == Slides::Camera; ++k) {
+        camera.keys.push_back(camera.world_from_camera);
+        camera.keys.back()[3].x -= kWay * k / segments;
+    }
+    const Settings settings{.width = kColumns, .height = kRows, .spp = kSamples, .integrator = IntegratorKind::Direct};
+    const Image image = Renderer().render(scene, camera, settings);
+    for (int x = 0; x < kColumns; ++x) {
+        const double wanted = coverage_of(x, kStart, kWidth, kWay);
+        // Moments and places are stratified, so this is a bound of the deviation from above.
+        const double deviation = std::sqrt(std::max(wanted * (1 - wanted), 0.0) / kSamples);
+        double column = 0;
+        for (int y = 0; y < kRows; ++y) {
+            const double seen = image.layers()[0].pixels[std::size_t(4 * (y * kColumns + x))];
+            EXPECT_NEAR(seen, wanted, 4 * deviation + 1e-6) << "pixel " << x << ", " << y;
+            column += seen / kRows;
+        }
+        EXPECT_NEAR(column, wanted, 4 * deviation / std::sqrt(kRows) + 1e-6) << "column " << x;
+    }
+}
+
+// How long a pixel sees the square is known without any picture: moments are as dense at each time of the shutter.
+TEST(MotionBlur, OfASquareThatSlidesIsHowLongEachPixelSeesIt)
+{
+    for (const Slides how : {Slides::Node, Slides::Vertices, Slides::Camera})
+        for (const int segments : {1, 4}) {
+            SCOPED_TRACE("way " + std::to_string(int(how)) + ", segments " + std::to_string(segments));
+            expect_coverage(how, segments);
+        }
 }
 
 // A rod of four sides, a few pixels thick, flies along itself: its silhouettes stay where they are, and so blur hides
