@@ -4,6 +4,7 @@
 #include <malloc.h>
 #include <occam/occam.h>
 
+#include <algorithm>
 #include <atomic>
 #include <deque>
 #include <functional>
@@ -163,6 +164,7 @@ TEST(Load, AQueryLivesThroughFramesOfItsSceneAndEditsOfOthers)
         return all;
     };
     first = distances();
+    EXPECT_GT(std::count_if(first.begin(), first.end(), [](double d) { return d > 0; }), 20) << "the query sees the scene";
     std::atomic<bool> is_over = false;
     std::thread elsewhere([&] {
         Renderer renderer({.threads = 1, .memory_bytes = std::size_t(64) << 20});

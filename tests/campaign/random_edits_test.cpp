@@ -50,7 +50,8 @@ void expect_same(const Hit& a, const Hit& b)
 }
 
 /// Expects the same answers of two queries, and that the three ways to ask agree.
-void expect_same_answers(const Query& one, const Query& other, std::span<const QueryRay> rays)
+/// hits   is raised by the number of rays that hit something
+void expect_same_answers(const Query& one, const Query& other, std::span<const QueryRay> rays, int& hits)
 {
     std::vector<FirstHit> first(rays.size());
     one.first_hits(rays, first);
@@ -61,6 +62,7 @@ void expect_same_answers(const Query& one, const Query& other, std::span<const Q
         EXPECT_EQ(one.is_occluded(rays[k]), a.has_value());
         EXPECT_EQ(first[k].distance < std::numeric_limits<double>::infinity(), a.has_value());
         if (!a) continue;
+        ++hits;
         expect_same(*a, *b);
         EXPECT_TRUE(first[k].distance == a->distance && first[k].node == a->node && first[k].face == a->face);
     }
@@ -74,6 +76,7 @@ void expect_frames_of_new_scenes(std::uint64_t seed, int frames)
     Query query(renderer, world.scene(), world.camera(), 32);
     query.end();
     std::vector<const char*> edits;
+    int hits = 0;
     for (int frame = 0; frame < frames && !testing::Test::HasFailure(); ++frame) {
         for (int k = 0; k <= frame % 3; ++k) edits.push_back(world.edit());
         RandomWorld other(seed);
@@ -96,9 +99,10 @@ void expect_frames_of_new_scenes(std::uint64_t seed, int frames)
         query.begin(camera);
         const Query fresh_query(fresh, other.scene(), other.camera(), 32);
         const Vec3d eye(camera.world_from_camera[3]);
-        expect_same_answers(query, fresh_query, rays_of(seed + std::uint64_t(frame), eye));
+        expect_same_answers(query, fresh_query, rays_of(seed + std::uint64_t(frame), eye), hits);
         query.end();
     }
+    EXPECT_GT(hits, frames) << "OCCAM_SEED=" << seed;
 }
 
 TEST(RandomEdits, ShowWhatANewRendererShowsOfANewScene)

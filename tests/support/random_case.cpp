@@ -212,8 +212,9 @@ try {
     }
     return {};
 } catch (const Error& e) {
-    if (is_hopeless(e)) return {};
-    throw;
+    if (!is_hopeless(e)) throw;
+    if (tested) ++tested->hopeless;
+    return {};
 }
 
 }  // namespace occam::test

@@ -121,6 +121,7 @@ std::string check_pictures(const RandomCase& c);
 struct Tested {
     std::size_t cages = 0;
     std::uint64_t rays = 0;
+    std::size_t hopeless = 0;  ///< cases that were refused, in which nothing was tested
 };
 
 /// Sends `rays` rays from inside every closed cage of the case, where it is placed and as it is posed: none may escape.
