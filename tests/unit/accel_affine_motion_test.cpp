@@ -46,6 +46,21 @@ const PlacedMotion kPlacedMotions[] = {
     {"collapses between two keys", 2, [](double tau) { return scaled_by(Vec3d(tau < 0.6 ? 1 : -1)); }, false},
 };
 
+// Returns a map that leans until its volume is a part of the product of its columns' lengths.
+Mat4d leaning(double tau, double part)
+{
+    Mat4d m(1);
+    m[1] = glm::mix(m[1], Vec4d(std::sqrt(1 - part * part), part, 0, 0), tau);
+    return m;
+}
+// The least such part is 2^-10. A scaling has it where its last 256th begins at 1,024 times the size at which it ends.
+const PlacedMotion kNearlyFlat[] = {
+    {"leans to 2^-9", 1, [](double tau) { return leaning(tau, 0x1p-9); }, true},
+    {"leans to 2^-11", 1, [](double tau) { return leaning(tau, 0x1p-11); }, false},
+    {"flattens to 2^-17", 1, [](double tau) { return scaled_by(Vec3d(1, 1 - tau * (1 - 0x1p-17), 1)); }, true},
+    {"flattens to 2^-19", 1, [](double tau) { return scaled_by(Vec3d(1, 1 - tau * (1 - 0x1p-19), 1)); }, false},
+};
+
 // A scene with one cage that moves, either by its node, or by its vertices, which are written at each key.
 struct MovedStage {
     Scene scene;
@@ -95,9 +110,9 @@ std::vector<accel::Ray> rays_into(const Box3d& bounds, int count, double spread 
     return rays;
 }
 
-TEST(AffineMotion, IsUsedWhereMapsCanBeInvertedAtAllTimes)
+void expect_use_where_invertible(std::span<const PlacedMotion> motions)
 {
-    for (const PlacedMotion& motion : kPlacedMotions) {
+    for (const PlacedMotion& motion : motions) {
         const MovedStage stage(torus(), motion, false, Mat4d(1));
         const Node& node = stage.scene.node(stage.node);
         const CageSlot& slot = stage.scene.cage(node.cages.front());
@@ -111,6 +126,12 @@ TEST(AffineMotion, IsUsedWhereMapsCanBeInvertedAtAllTimes)
                                                      {topologies.get(slot), nullptr, arena, counters});
         EXPECT_EQ(posed.still_pose != nullptr, motion.is_invertible) << motion.name;
     }
+}
+
+TEST(AffineMotion, IsUsedWhereMapsCanBeInvertedAtAllTimes)
+{
+    expect_use_where_invertible(kPlacedMotions);
+    expect_use_where_invertible(kNearlyFlat);
 }
 
 // The same surface moves by its node, or by its vertices at keys: rays find the same but for rounding.
