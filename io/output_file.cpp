@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMark = ".part";
+constexpr std::string_view kPartMark = ".part";
 
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
@@ -50,7 +50,7 @@ HeldName held_name(const fs::path& file)
     constexpr std::size_t kFitsAnywhere = 128;     // so that the file system need not be asked
     HeldName name{file.stem().string(), file.extension().string()};
     if (name.extension.size() > kLongestExtension) name = {file.filename().string(), {}};
-    const std::size_t others = 1 + kMark.size() + kLongestNumber + name.extension.size();
+    const std::size_t others = 1 + kPartMark.size() + kLongestNumber + name.extension.size();
     if (name.stem.size() + others <= kFitsAnywhere) return name;
     const long most = pathconf(folder_of(file).c_str(), _PC_NAME_MAX);
     const std::size_t room = most > 0 ? static_cast<std::size_t>(most) : NAME_MAX;
@@ -71,7 +71,7 @@ fs::path temporary_name(const fs::path& file, int attempt)
     const HeldName held = held_name(file);
     std::string name(".");
     name += held.stem;
-    name += kMark;
+    name += kPartMark;
     name += std::to_string(getpid());
     if (attempt > 0) name.append("-").append(std::to_string(attempt));
     name += held.extension;
@@ -81,9 +81,9 @@ fs::path temporary_name(const fs::path& file, int attempt)
 // Returns the name of the output that a temporary file belongs to, as HeldName has it; empty for any other file.
 std::string output_of(const std::string& temporary)
 {
-    const std::size_t mark = temporary.rfind(kMark);
+    const std::size_t mark = temporary.rfind(kPartMark);
     if (temporary.empty() || temporary[0] != '.' || mark == std::string::npos || mark < 1) return {};
-    const std::size_t digits = mark + kMark.size();
+    const std::size_t digits = mark + kPartMark.size();
     const std::size_t end = std::min(temporary.find_first_not_of("0123456789-", digits), temporary.size());
     if (end == digits) return {};
     return temporary.substr(1, mark - 1) + temporary.substr(end);
