@@ -31,8 +31,10 @@ void PosedPatch::forget()
 // others may have grown.
 void PosedPatch::make_room(std::size_t count, std::size_t moves)
 {
-    for (std::vector<float>* values : {&x_, &y_, &z_})
-        if (values->size() < count) values->resize(count);
+    // z_ grows last, so it tells whether all have room.
+    if (z_.size() < count)
+        for (std::vector<float>* values : {&x_, &y_, &z_})
+            if (values->size() < count) values->resize(count);
     count_ = count;
     point_count_ = count - moves;
 }

@@ -60,9 +60,8 @@ public:
     void clear() noexcept;
     /// Adds a ray, which the caller fills in. trace() adds `radiance` to sums[sample], times the transmittance along the
     /// ray.
-    /// limit   of what is added, in the brightest channel. A ray that chance lets continue stands for those that it ended,
-    /// and
-    ///         may bring as much as all of them.
+    /// limit   of what is added, in the brightest channel. A ray that chance lets go on may bring as much as all those for
+    ///         which it stands.
     accel::Ray& add(std::uint32_t sample, Vec3f radiance, float limit)
     {
         // They are written where they stay, since reading whole what was just written in parts would wait.
@@ -83,9 +82,8 @@ public:
     }
 
     /// Traces all rays and adds their radiance. Returns how many were shot. See Integrator::run for Tracer.
-    /// luck   a random number in [0, 1) for each sample, which decides with the ray's direction and the place where it
-    /// starts how
-    ///        the ray ends
+    /// luck   a random number in [0, 1) for each sample. With the ray's direction and the place where it starts it decides
+    ///        how the ray ends.
     template <class Tracer>
     std::uint64_t trace(Tracer& tracer, std::span<Vec3f> sums, std::span<const float> luck)
     {
