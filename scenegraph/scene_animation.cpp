@@ -47,6 +47,7 @@ struct Scene::State::PoseSum {
         return true;
     }
 
+    bool has_weights() const noexcept { return of_weights > 0; }
     bool has_place() const noexcept { return of_translation + of_rotation + of_scale > 0; }
     /// Returns the mean of the values, and those of `rest` where there are none.
     Trs place(const Trs& rest) const noexcept
@@ -77,25 +78,33 @@ bool same(const Trs& a, const Trs& b)
 
 }  // namespace
 
-void Scene::State::restore_place(NodeRecord& node, NodeId id)
+void Scene::State::restore_place(NodeId id)
 {
-    if (!node.rest || !node.rest->place) return;
-    Rest& rest = *node.rest;
-    place(id, node, rest.matrix ? *rest.matrix : rest.place->matrix());
-    node.place = *rest.place;
-    node.matrix = rest.matrix;
+    NodeRecord* node = nodes.find(id);
+    if (!node) return;
+    about_to_pose(id, *node);
+    if (!node->rest || !node->rest->place) return;
+    Rest& rest = *node->rest;
+    place(id, *node, rest.matrix ? *rest.matrix : rest.place->matrix());
+    node->place = *rest.place;
+    node->matrix = rest.matrix;
     rest.place.reset();
+    if (!rest.weights) node->rest.reset();
 }
 
-void Scene::State::restore_weights(NodeRecord& node, NodeId id)
+void Scene::State::restore_weights(NodeId id)
 {
-    if (!node.rest || !node.rest->weights) return;
-    if (node.morph_weights != *node.rest->weights) {
-        about_to_change(id, node);
-        node.morph_weights = std::move(*node.rest->weights);
+    NodeRecord* node = nodes.find(id);
+    if (!node) return;
+    about_to_pose(id, *node);
+    if (!node->rest || !node->rest->weights) return;
+    if (node->morph_weights != *node->rest->weights) {
+        about_to_change(id, *node);
+        node->morph_weights = std::move(*node->rest->weights);
         mark_dirty(id);
     }
-    node.rest->weights.reset();
+    node->rest->weights.reset();
+    if (!node->rest->place) node->rest.reset();
 }
 
 void Scene::State::write_pose(NodeId id, const PoseSum& sum)
@@ -112,10 +121,8 @@ void Scene::State::write_pose(NodeId id, const PoseSum& sum)
             node.place = posed_place;
             node.matrix.reset();
         }
-    } else {
-        restore_place(node, id);
     }
-    if (sum.of_weights > 0) {
+    if (sum.has_weights()) {
         if (!node.rest->weights) node.rest->weights = node.morph_weights;
         std::vector<float> weights;
         for (const double w : sum.weights) weights.push_back(static_cast<float>(w / sum.of_weights));
@@ -124,9 +131,29 @@ void Scene::State::write_pose(NodeId id, const PoseSum& sum)
             node.morph_weights = std::move(weights);
             mark_dirty(id);
         }
-    } else {
-        restore_weights(node, id);
     }
+}
+
+void Scene::State::write_poses(Posed& of, const std::vector<NodeId>& order, const std::unordered_map<NodeId, PoseSum>& sums)
+{
+    std::vector<NodeId> placed, weighted;
+    for (const NodeId id : order) {
+        if (sums.at(id).has_place()) placed.push_back(id);
+        if (sums.at(id).has_weights()) weighted.push_back(id);
+    }
+    // If there is not enough memory for all of them, those that were moved are known, and the next call restores them.
+    std::vector<NodeId> all_placed = of.placed, all_weighted = of.weighted;
+    all_placed.insert(all_placed.end(), placed.begin(), placed.end());
+    all_weighted.insert(all_weighted.end(), weighted.begin(), weighted.end());
+    const std::vector<NodeId> placed_before = std::exchange(of.placed, std::move(all_placed));
+    const std::vector<NodeId> weighted_before = std::exchange(of.weighted, std::move(all_weighted));
+    for (const NodeId id : placed_before)
+        if (const auto sum = sums.find(id); sum == sums.end() || !sum->second.has_place()) restore_place(id);
+    for (const NodeId id : weighted_before)
+        if (const auto sum = sums.find(id); sum == sums.end() || !sum->second.has_weights()) restore_weights(id);
+    for (const NodeId id : order) write_pose(id, sums.at(id));
+    of.placed = std::move(placed);
+    of.weighted = std::move(weighted);
 }
 
 void Scene::pose(std::span<const ClipAt> clips, NodeId of)
@@ -163,20 +190,7 @@ void Scene::pose(std::span<const ClipAt> clips, NodeId of)
             if (!entry->second.add(channel, at.seconds, weight_of(at)))
                 throw error_without_file("a clip's value is beyond the largest float", naming("clip", clip(at.clip).name));
         }
-
-    // If there is not enough memory for all of them, those that were moved are known, and the next call restores them.
-    std::vector<NodeId> all = posed.nodes;
-    all.insert(all.end(), order.begin(), order.end());
-    const std::vector<NodeId> before = std::exchange(posed.nodes, std::move(all));
-    for (const NodeId id : before)
-        if (State::NodeRecord* node = s.nodes.find(id); node && !sums.contains(id)) {
-            s.about_to_pose(id, *node);
-            s.restore_place(*node, id);
-            s.restore_weights(*node, id);
-            node->rest.reset();
-        }
-    for (const NodeId id : order) s.write_pose(id, sums.at(id));
-    posed.nodes = std::move(order);
+    s.write_poses(posed, order, sums);
 }
 
 void Scene::pose(ClipId id, double seconds)

@@ -155,15 +155,12 @@ public:
             Posed& own = to_.posed[nodes_.of(old)];  // a null handle stands for the scene itself
             for (const auto& [original, made] : from.node_of) own.node_of[node_or_dead(original)] = node_or_dead(made);
             for (const SkinId skin : from.skins) own.skins.push_back(skins_.of(skin));
-            for (const NodeId node : from.nodes)
-                if (nodes_.of(node)) own.nodes.push_back(nodes_.of(node));
+            move_moved(from, own);
         }
         // Its clips move its own nodes, whether the whole scene is posed or the part alone.
         Posed& alone = to_.posed[node()];
         nodes_.for_each([&](NodeId made) { alone.node_of[made] = made; });
-        if (const auto from = part_.posed.find(NodeId()); from != part_.posed.end())
-            for (const NodeId node : from->second.nodes)
-                if (nodes_.of(node)) alone.nodes.push_back(nodes_.of(node));
+        if (const auto from = part_.posed.find(NodeId()); from != part_.posed.end()) move_moved(from->second, alone);
     }
     std::vector<ClipId> move_clips()
     {
@@ -211,6 +208,14 @@ public:
     }
 
 private:
+    /// Adds what the last pose() moved.
+    void move_moved(const Posed& from, Posed& to) const
+    {
+        for (const NodeId node : from.placed)
+            if (nodes_.of(node)) to.placed.push_back(nodes_.of(node));
+        for (const NodeId node : from.weighted)
+            if (nodes_.of(node)) to.weighted.push_back(nodes_.of(node));
+    }
     /// Returns the new handle of a node. A removed node has a new dead handle, since clips know the copies of a node by it.
     NodeId node_or_dead(NodeId old)
     {

@@ -178,7 +178,7 @@ struct Scene::State {
     struct Posed {
         std::unordered_map<NodeId, NodeId> node_of;  ///< from what clips name to what they move
         std::vector<SkinId> skins;                   ///< for copies: the skins made for the copy
-        std::vector<NodeId> nodes;                   ///< moved by the last pose()
+        std::vector<NodeId> placed, weighted;        ///< whose place or morph weights the last pose() moved
     };
     struct RefitStep {
         NodeId id;
@@ -264,8 +264,7 @@ struct Scene::State {
         return at(const_cast<SceneTable<T, Tag>&>(map), id, kind);
     }
 
-    // Each of these throws Error if a handle is neither null nor one of the scene's own: of a material's textures, or of a
-    // cage's materials. The texture of a displacement may be that of a store for another scene (verify/subject.h).
+    // Each of these throws Error if a handle of a material or texture is neither null nor one of the scene's own.
     void check_handles(const Material& material) const;
     void check_handles(const Cage& cage) const;
 
@@ -380,11 +379,13 @@ struct Scene::State {
     NodeId lowest_common(NodeId a, NodeId b) const;  ///< lowest common ancestor; a node counts as its own
     /// Holds the weighted sums of the values that clips give to one node.
     struct PoseSum;
-    /// Writes the mean of these values into a node. What they leave out returns to its rest value.
+    /// Writes the mean of these values into a node.
     void write_pose(NodeId id, const PoseSum& sum);
-    // Each of these gives a node that pose() moved its rest value back, and forgets it.
-    void restore_place(NodeRecord& node, NodeId id);
-    void restore_weights(NodeRecord& node, NodeId id);
+    /// Writes those of all nodes in this order. What the last pose() moved and they leave out returns to its rest value.
+    void write_poses(Posed& of, const std::vector<NodeId>& order, const std::unordered_map<NodeId, PoseSum>& sums);
+    // Each of these gives a node that pose() moved its rest value back, and forgets it. A dead handle has no effect.
+    void restore_place(NodeId id);
+    void restore_weights(NodeId id);
     /// Returns the state of pose() for what is a copy within the subtree that is copied.
     Posed copy_within(const Posed& original, const Posed& copy, const std::unordered_map<SkinId, SkinId>& skin_of) const;
     /// Returns what copy() makes a node from, without the skin and the instance that it shows.

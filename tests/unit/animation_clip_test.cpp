@@ -163,6 +163,40 @@ TEST(Pose, LetsGoOfThePropertiesThatTheNextClipDoesNotMove)
     EXPECT_EQ(weights(), std::vector<float>{0.25f});
 }
 
+// The clips of a body may be those of the scene, and those of its face the ones that came with it.
+TEST(Pose, OfOneLeavesThePropertiesThatOnlyAnotherMoves)
+{
+    Scene part;
+    const NodeId in_part = part.add_node(part.root(), {.name = "head", .morph_weights = {0.25f}});
+    Channel blinks = channel(Path::Weights, Interpolation::Step, {0}, {0.75f}, 1);
+    blinks.target = in_part;
+    part.add(Clip{"blink", {blinks}});
+    Scene scene;
+    const AddedScene added = scene.add(std::move(part), scene.root());
+    const NodeId head = scene.find_node("head");
+    Channel walks = channel(Path::Translation, Interpolation::Step, {0}, {5, 0, 0}, 3);
+    walks.target = head;
+    const ClipId walk = scene.add(Clip{"walk", {walks}});
+    const ClipAt blink[] = {{added.clips[0], 0}};
+    const auto expect = [&](double x, float weight, const char* when) {
+        EXPECT_EQ(scene.node(head).parent_from_node[3].x, x) << when;
+        EXPECT_EQ(scene.node(head).morph_weights, std::vector<float>{weight}) << when;
+    };
+    scene.pose(walk, 0);
+    expect(5, 0.25f, "the scene is posed");
+    scene.pose(blink, added.node);
+    expect(5, 0.75f, "the part is posed");
+    scene.pose(walk, 0);
+    expect(5, 0.75f, "the scene is posed again");
+    scene.pose({}, added.node);
+    expect(5, 0.25f, "the part lets go");
+    scene.pose(blink, added.node);
+    scene.pose({});
+    expect(0, 0.75f, "the scene lets go");
+    scene.pose({}, added.node);
+    expect(0, 0.25f, "all let go");
+}
+
 TEST(Pose, MixesClipsThatMoveTheSameProperty)
 {
     Walkers w;
