@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "base/box.h"
 #include "base/error.h"
@@ -44,12 +46,12 @@ struct Contents {
     /// Lengths in the axes of the node that edges at poles do not exceed. Cages on demand have none, because nobody knows
     /// their faces.
     Poles poles;
-    /// The sum over all that is placed below of how many surfaces a ray meets in it, times the size of its box
-    /// (Contents::size_of), in the axes of the node. See layers_in().
+    /// What is placed below counts by the number of surfaces that a ray meets in it times the size of its box in the axes of
+    /// the node (Contents::size_of); this is the sum. See layers_in().
     double crossed = 0;
     double most_layers = 0;  ///< the largest layers_in() of the nodes
-    /// The same sum over surfaces that light may pass, of how many of their boxes hold a point, times the volume of the box.
-    /// See depth_in().
+    /// The same for surfaces that light may pass: they count by the number of their own boxes that hold a point times the
+    /// volume of the box around them all. See depth_in().
     double held = 0;
     double most_depth = 0;  ///< the largest depth_in() of the nodes
     /// The sum over all that is placed below of vertices times morph targets whose weight is not 0, for each key of a
@@ -130,14 +132,28 @@ inline constexpr std::size_t kMostListed = std::size_t(1) << 22;
 struct Node;
 class Scene;
 struct Cage;
-/// How the faces of a cage lie in its box; each face counts by its own box. Morph targets and joints are taken to change
-/// nothing of it.
+/// How the faces of a cage lie in its box; each face counts by its own box, at rest: without morph targets and joints.
 struct FaceLayers {
-    double crossed = 1;  ///< how many surfaces a ray meets that passes through the cage's box, 1 at least
-    double held = 1;     ///< in how many boxes of faces a point of that box lies, 1 at least
+    double crossed = 1;                ///< how many surfaces a ray meets that passes through the cage's box, 1 at least
+    double held = 1;                   ///< in how many boxes of faces a point of that box lies, 1 at least
+    std::vector<double> held_of_slot;  ///< the part of each material slot; empty if all faces are of the first one
 
     FaceLayers() = default;
-    explicit FaceLayers(const Cage& cage);
+    explicit FaceLayers(const Cage& cage) { measure(cage); }
+    /// It needs no memory if the cage has as many slots as before.
+    void measure(const Cage& cage);
+    /// Returns in how many boxes of faces a point lies if only those slots count for which has(slot) is true: 0 if there is
+    /// no such slot, and otherwise 1 at least.
+    template <class Has>
+    double held_where(Has&& has) const
+    {
+        if (held_of_slot.empty()) return has(std::size_t(0)) ? held : 0;
+        double sum = 0;
+        bool has_any = false;
+        for (std::size_t slot = 0; slot < held_of_slot.size(); ++slot)
+            if (has(slot)) sum += held_of_slot[slot], has_any = true;
+        return has_any ? std::max(1.0, sum) : 0;
+    }
 };
 
 /// Throws Error, naming a node, if a ray may have to meet more than kMostLayers surfaces, if a point may lie in more than

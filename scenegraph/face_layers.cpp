@@ -1,8 +1,8 @@
 // Measures how the faces of a cage lie in its box.
 #include <algorithm>
 #include <cmath>
-#include <tuple>
-#include <utility>
+#include <cstddef>
+#include <span>
 
 #include "base/hash.h"
 #include "scenegraph/cage.h"
@@ -14,12 +14,14 @@ namespace {
 /// Sums up how the faces of a cage lie in its box.
 class LayerSums {
 public:
-    explicit LayerSums(const Cage& cage) noexcept
-        : cage_(cage), bound_(cage.is_displaced() ? double(cage.displacement->bound) : 0)
+    /// of_slot   gets the sums of the faces of each material slot, if there are several
+    LayerSums(const Cage& cage, std::span<double> of_slot) noexcept
+        : cage_(cage), of_slot_(of_slot), bound_(cage.is_displaced() ? double(cage.displacement->bound) : 0)
     {
+        std::ranges::fill(of_slot_, 0.0);
     }
     /// first   of the face's corners, in Cage::face_vertices
-    void add(std::size_t first, std::size_t corners) noexcept
+    void add(std::size_t face, std::size_t first, std::size_t corners) noexcept
     {
         // A box of triangles is tested together with seven others. Each corner of a polygon that is subdivided has a patch
         // of its own, which is smaller the more corners there are.
@@ -32,53 +34,59 @@ public:
         sizes_ += Contents::size_of(box) * (cage_.scheme == Scheme::Triangles
                                                 ? kOfATriangle
                                                 : double(std::max<std::size_t>(1, corners / kCornersOfALayer)));
-        volumes_ += Contents::volume_of(box);
+        const double volume = Contents::volume_of(box);
+        volumes_ += volume;
+        if (!of_slot_.empty()) of_slot_[std::min<std::size_t>(cage_.face_slots[face], of_slot_.size() - 1)] += volume;
     }
-    /// Returns how many surfaces a ray meets, and in how many boxes a point lies: at least 1, and 1 for what is a point,
+    /// Writes how many surfaces a ray meets, and in how many boxes a point lies: at least 1, and 1 for what is a point,
     /// flat, or overflows.
     ///
     /// scale   the number of the cage's faces for each that was added
-    std::pair<double, double> layers(double scale) const noexcept
+    void write(double scale, FaceLayers& layers) const noexcept
     {
         constexpr double kOfAClosedSurface = 3;  // what the boxes of its faces come to: 2.7 for a cube
-        const double across = scale * sizes_ / Contents::size_of(whole_),
-                     depth = scale * volumes_ / Contents::volume_of(whole_);
-        return {std::isfinite(across) && whole_.extent() != Vec3d(0) ? std::max(1.0, across - kOfAClosedSurface) : 1,
-                std::isfinite(depth) ? std::max(1.0, depth) : 1};
+        const double to_depth = scale / Contents::volume_of(whole_);
+        const double across = scale * sizes_ / Contents::size_of(whole_), depth = to_depth * volumes_;
+        layers.crossed = std::isfinite(across) && whole_.extent() != Vec3d(0) ? std::max(1.0, across - kOfAClosedSurface)
+                                                                              : 1;
+        layers.held = std::isfinite(depth) ? std::max(1.0, depth) : 1;
+        for (double& sum : of_slot_) sum = std::isfinite(depth) ? to_depth * sum : 0;
     }
 
 private:
     const Cage& cage_;
+    std::span<double> of_slot_;
     double bound_;
     Box3d whole_;
     double sizes_ = 0, volumes_ = 0;
 };
 
-/// Returns the layers by one face of every `step`. Which one it is changes, so that a regular order of the faces has no
+/// Measures the layers by one face of every `step`. Which one it is changes, so that a regular order of the faces has no
 /// influence.
-std::pair<double, double> layers_of(const Cage& cage, std::size_t step) noexcept
+void measure_by(const Cage& cage, std::size_t step, FaceLayers& layers) noexcept
 {
-    LayerSums sums(cage);
+    LayerSums sums(cage, layers.held_of_slot);
     std::size_t first = 0;
     for (std::size_t face = 0; face < cage.face_count(); ++face) {
         const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
-        if (step == 1 || face % step == mix_bits(face / step) % step) sums.add(first, corners);
+        if (step == 1 || face % step == mix_bits(face / step) % step) sums.add(face, first, corners);
         first += corners;
     }
-    return sums.layers(double(step));
+    sums.write(double(step), layers);
 }
 
 }  // namespace
 
-FaceLayers::FaceLayers(const Cage& cage)
+void FaceLayers::measure(const Cage& cage)
 {
+    held_of_slot.resize(cage.face_slots.empty() || cage.materials.size() < 2 ? 0 : cage.materials.size());
     // Of many faces some are looked at first, and all of them only where these overlap. So a cage whose faces hardly overlap
     // costs little whenever its vertices move, and the result depends on the cage alone.
     constexpr std::size_t kLookedAt = 1024;
     constexpr double kMany = 64;
     const std::size_t step = std::max<std::size_t>(1, cage.face_count() / kLookedAt);
-    std::tie(crossed, held) = layers_of(cage, step);
-    if (step > 1 && (crossed > kMany || held > kMany)) std::tie(crossed, held) = layers_of(cage, 1);
+    measure_by(cage, step, *this);
+    if (step > 1 && (crossed > kMany || held > kMany)) measure_by(cage, 1, *this);
 }
 
 }  // namespace occam

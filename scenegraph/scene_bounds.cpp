@@ -1,4 +1,6 @@
 // Marks the bounds that an edit puts out of date, and brings them up to date.
+#include <algorithm>
+
 #include "scenegraph/scene_state.h"
 
 namespace occam {
@@ -90,6 +92,24 @@ Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept
     return {box.lo - bound, box.hi + bound};
 }
 
+namespace {
+
+/// Returns in how many boxes of faces that light may pass a point of a cage's box lies, as a node shows the cage.
+template <class Materials>
+double held_in(const Node& node, const CageSlot& slot, const FaceLayers& layers, const Materials& materials)
+{
+    const auto& shown = node.materials.empty() ? slot.cage.materials : node.materials;
+    const auto passes = [&](const MaterialId& id) {
+        const Material* m = materials.find(id);
+        return m && (kinds_of(*m) & Contents::Passing) != 0;
+    };
+    // Nobody knows which slots the faces of a cage on demand have.
+    if (slot.is_on_demand()) return std::any_of(shown.begin(), shown.end(), passes) ? layers.held : 0;
+    return layers.held_where([&](std::size_t of) { return of < shown.size() && passes(shown[of]); });
+}
+
+}  // namespace
+
 std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
 {
     SkinRecord* skin = skins.find(node.skin);
@@ -112,7 +132,8 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
         bounds.add(box);
         contents.poles.add(cage_poles(node, *cage, skin));
         contents.crossed += Contents::size_of(box) * cage->layers.crossed;
-        if (contents.has(Contents::Passing)) contents.held += Contents::volume_of(box) * cage->layers.held;
+        if (contents.has(Contents::Passing))
+            contents.held += Contents::volume_of(box) * held_in(node, *cage, cage->layers, materials);
     }
     const auto box_of = [&](std::size_t i) {
         const Node* child = nodes.find(node.children[i]);

@@ -278,5 +278,67 @@ TEST(Contents, LayersFollowVerticesThatGather)
     EXPECT_EQ(scene.contents(), anew.contents());
 }
 
+/// Returns triangles whose boxes are much larger than they are, so that each point of a unit cube lies in many of them, and
+/// one more in the last material slot.
+Cage hay_and_pane()
+{
+    Cage cage;
+    cage.scheme = Scheme::Triangles;
+    std::mt19937 random(3);
+    const auto coordinate = [&] { return float(random() >> 8) * 0x1p-24f; };
+    for (std::uint32_t face = 0; face < 20'000; ++face) {
+        const Vec3f a(coordinate(), coordinate(), coordinate()), b(coordinate(), coordinate(), coordinate());
+        for (const Vec3f p : {a, b, b + Vec3f(0.002f, 0, 0.002f)}) {
+            cage.face_vertices.push_back(static_cast<std::uint32_t>(cage.positions.size()));
+            cage.positions.push_back(p);
+        }
+    }
+    cage.face_slots.assign(cage.face_count() - 1, 0);
+    cage.face_slots.push_back(1);
+    return cage;
+}
+
+// An opaque surface ends a ray, whatever it shares a node or a cage with.
+TEST(Contents, OnlyFacesThatPassLightCountForThoseThatARayGoesOnBehind)
+{
+    Scene scene;
+    Material glass;
+    glass.transmission = 1;
+    glass.roughness = 0;
+    const MaterialId clear = scene.add(glass), opaque = scene.add(Material{}), third = scene.add(Material{});
+    const auto depth = [&] {
+        scene.refit();
+        return scene.contents().most_depth;
+    };
+    Cage cage = hay_and_pane();
+    cage.materials = {opaque, clear};
+    const CageId both = scene.add(cage);
+    cage.materials = {opaque, third};
+    const CageId hay = scene.add(cage);
+    Cage triangle;
+    triangle.scheme = Scheme::Triangles;
+    triangle.positions = {{0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0.1f}};
+    triangle.face_vertices = {0, 1, 2};
+    triangle.materials = {clear};
+    const CageId pane = scene.add(triangle);
+    const NodeId node = scene.add_node(scene.root(), {.cages = {hay}});
+    EXPECT_EQ(depth(), 0);
+    scene.set_cages(node, {hay, pane});
+    EXPECT_LE(depth(), 1) << "two cages of one node";
+    scene.set_cages(node, {both});
+    EXPECT_LE(depth(), 2) << "two slots of one cage";
+    scene.write_vertices(both, cage.positions);
+    EXPECT_LE(depth(), 2) << "written";
+    scene.set_materials(node, {clear, opaque});
+    EXPECT_GT(depth(), 64) << "the node's own materials count";
+    scene.set_materials(node, {});
+    scene.replace(opaque, glass);
+    EXPECT_GT(depth(), 64) << "the hay is of glass";
+    scene.replace(clear, Material{});
+    EXPECT_GT(depth(), 64) << "and the pane is opaque";
+    scene.replace(opaque, Material{});
+    EXPECT_EQ(depth(), 0);
+}
+
 }  // namespace
 }  // namespace occam
