@@ -44,7 +44,9 @@ Camera Camera::framing(const Box3d& bounds, float aspect)
     const Vec3d direction = Vec3d(0.4, 0.35, 1.0) / glm::length(Vec3d(0.4, 0.35, 1.0));  // from the scene to the eye
     const Vec3d centre = bounds.is_empty() ? Vec3d(0) : bounds.centre();
     const Vec3d half = bounds.is_empty() ? Vec3d(1) : bounds.extent() * 0.5;
-    Camera camera = look_at(centre + direction, centre, {0, 1, 0}, CameraLens().fov);
+    const auto is_finite = [](const Vec3d& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); };
+    if (!is_finite(centre) || !is_finite(half)) throw error_without_file("the bounds must be finite", "framing");
+    Camera camera = look_at(direction, Vec3d(0), {0, 1, 0}, CameraLens().fov);  // the same axes wherever the scene is
 
     // A corner c (relative to the centre, in camera axes) is visible if |c.x| <= (d - c.z) k aspect and |c.y| <= (d - c.z)
     // k.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "base/error.h"
@@ -74,6 +75,25 @@ TEST(Camera, AFitOfAlmostNothingIsACamera)
     fit.clear();
     fit.add(Vec3d(1e12));
     EXPECT_GT(fit.camera().eye().z, 1e12);
+}
+
+// At 1e16 the next number is 2 away.
+TEST(Camera, FramesWhatLiesFarAwayAsItFramesWhatIsNear)
+{
+    const Camera near = Camera::framing({Vec3d(-1), Vec3d(1)});
+    for (const double at : {0.0, 1e6, 1e13, 1e15, 1e16, 1e100}) {
+        const Box3d box{Vec3d(at), Vec3d(at * 1.5 + 1)};
+        const Camera camera = Camera::framing(box);
+        for (int axis = 0; axis < 3; ++axis)
+            EXPECT_EQ(camera.world_from_camera[axis], near.world_from_camera[axis]) << at << ", axis " << axis;
+        const Vec3d to_eye = camera.eye() - box.centre(), back(camera.world_from_camera[2]);
+        EXPECT_NEAR(glm::dot(to_eye, back) / glm::length(to_eye), 1, 1e-12) << at;
+    }
+    EXPECT_NO_THROW(Camera::framing({Vec3d(1e16), Vec3d(1e16)}));
+    const double infinity = std::numeric_limits<double>::infinity();
+    EXPECT_THROW(Camera::framing({Vec3d(0), Vec3d(infinity)}), Error);
+    EXPECT_THROW(Camera::framing({Vec3d(-infinity), Vec3d(infinity)}), Error);
+    EXPECT_THROW(Camera::framing({Vec3d(-1.7e308), Vec3d(1.7e308)}), Error) << "their extent is not finite";
 }
 
 }  // namespace
