@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "base/error_without_file.h"
 #include "base/matrix.h"
@@ -44,10 +45,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// What moves while the shutter is open is refused if its keys take more bytes.
 constexpr std::size_t kMostKeyBytes = std::size_t(1) << 30;
 
+/// Returns whether all keys are the same, and that of mid-shutter, too, which is none of them if there are but two.
 template <class T>
-bool are_all_equal(const std::vector<T>& values)
+bool stand_still(const std::vector<T>& keys, const T& middle)
 {
-    return std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) == values.end();
+    return std::all_of(keys.begin(), keys.end(), [&](const T& key) { return key == middle; });
 }
 
 }  // namespace
@@ -191,7 +193,7 @@ void Scene::State::keep_skin_in_place(NodeId id, NodeRecord& node, const SkinRec
     if (keys.empty()) keys.assign(std::size_t(shutter_segments) + 1, key_of(node, id));
     for (std::size_t k = 0; k < keys.size(); ++k) keys[k].node_from_skin = node_from_skin(id, skin, k);
     node.has_stale_keys = false;
-    if (are_all_equal(keys) && keys.front() == key_of(node, id)) {  // what moved it has stopped
+    if (stand_still(keys, key_of(node, id))) {  // what moved it has stopped
         if (node.keys.empty()) return;
         node.keys.clear();
         --things_with_keys;
@@ -209,7 +211,7 @@ void Scene::State::keep_skin_in_place(NodeId id, NodeRecord& node, const SkinRec
 void Scene::State::keep_own_keys(NodeId id, NodeRecord& node)
 {
     for (NodeKey& key : node.keys) key.node_from_skin = Mat4d(1);
-    if (!node.keys.empty() && are_all_equal(node.keys) && node.keys.front() == key_of(node, id)) {
+    if (!node.keys.empty() && stand_still(node.keys, key_of(node, id))) {
         node.keys.clear();
         --things_with_keys;
         touch_in_parent(node);
@@ -227,7 +229,7 @@ void Scene::State::keep_skin_moving(SkinId id, SkinRecord& skin)
     std::vector<std::vector<Mat4d>> keys;
     if (things_with_keys > 0 && moves())
         for (std::size_t k = 0; k <= std::size_t(shutter_segments); ++k) keys.push_back(poses_of(skin, k));
-    if (are_all_equal(keys)) keys.clear();
+    if (!keys.empty() && stand_still(keys, poses_of(skin))) keys.clear();
     if (!keys.empty() && skin.key_poses.empty()) {
         if (!skin.is_listed_with_keys) skins_with_keys.push_back(id);
         skin.is_listed_with_keys = true;
@@ -253,8 +255,8 @@ void Scene::State::store_keys(Recorder& record)
     cages_with_keys.reserve(record.cages.size());
     for (const auto& [id, keys] : record.cages) cages.find(id)->key_bounds.reserve(keys.size());
     for (auto& [id, keys] : record.nodes) {
-        if (are_all_equal(keys)) continue;
         NodeRecord& node = *nodes.find(id);
+        if (stand_still(keys, key_of(node, id))) continue;
         node.keys = std::move(keys);
         node.has_stale_keys = true;
         nodes_with_keys.push_back(id);
@@ -263,8 +265,8 @@ void Scene::State::store_keys(Recorder& record)
         mark_dirty(id);
     }
     for (auto& [id, keys] : record.cages) {
-        if (are_all_equal(keys)) continue;
         CageRecord& cage = *cages.find(id);
+        if (stand_still(keys, cage.cage.positions)) continue;
         cage.key_positions = std::move(keys);
         cages_with_keys.push_back(id);
         find_bounds(cage);
@@ -357,13 +359,14 @@ std::vector<Mat4d> Scene::world_from_node_keys(NodeId id) const
     bool moves = false;
     for (const Node* n = &node(id); n; n = find(n->parent)) moves |= !n->keys.empty();
     if (!moves) return keys;
-    for (int k = 0; k <= shutter_segments(); ++k) {
+    const auto world_at = [&](std::optional<std::size_t> key) {
         Mat4d m(1);
         for (const Node* n = &node(id); n; n = find(n->parent))
-            m = (n->keys.empty() ? n->parent_from_node : n->keys[std::size_t(k)].parent_from_node) * m;
-        keys.push_back(m);
-    }
-    return are_all_equal(keys) ? std::vector<Mat4d>() : keys;
+            m = (key && !n->keys.empty() ? n->keys[*key].parent_from_node : n->parent_from_node) * m;
+        return m;
+    };
+    for (std::size_t k = 0; k <= std::size_t(shutter_segments()); ++k) keys.push_back(world_at(k));
+    return stand_still(keys, world_at({})) ? std::vector<Mat4d>() : keys;
 }
 
 }  // namespace occam

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <vector>
 
 #include "base/error.h"
 #include "scenegraph/content_rules.h"
@@ -276,6 +277,50 @@ TEST(Shutter, MotionIsFoundAmongVeryManyChildren)
     EXPECT_EQ(moving_nodes(scene, Contents::Emitters), expected);
     scene.set_transform(dark[0], moved(0, 1, 0));
     EXPECT_EQ(moving_nodes(scene, Contents::Emitters), expected) << "before the scene is refitted";
+}
+
+// The scene is left as it is at mid-shutter, which is no key if there is but one segment.
+TEST(Shutter, WhatIsOtherwiseAtMidShutterAloneIsAsItsKeysAre)
+{
+    Scene scene;
+    const CageId square = scene.add(unit_square()), written = scene.add(unit_square());
+    const NodeId hidden = scene.add_node(scene.root(), {.cages = {square}});
+    const NodeId away = scene.add_node(scene.root(), {.cages = {square}});
+    const NodeId lifted = scene.add_node(scene.root(), {.cages = {written}});
+    const std::vector<Vec3f> positions = scene.cage(written).cage.positions;
+    const auto is_middle = [](double tau) { return tau == 0.5; };
+    scene.record_shutter(1, [&](double tau) {
+        scene.set_visible(hidden, !is_middle(tau));
+        scene.set_transform(away, moved(is_middle(tau) ? 100 : 0, 0, 0));
+        std::vector<Vec3f> lifts = positions;
+        for (Vec3f& p : lifts) p.y += is_middle(tau) ? 50.0f : 0.0f;
+        scene.write_vertices(written, lifts);
+    });
+    EXPECT_EQ(scene.shutter_segments(), 1);
+    EXPECT_TRUE(scene.node(hidden).is_visible_in_shutter());
+    EXPECT_EQ(scene.world_from_node_keys(away), (std::vector<Mat4d>{moved(0, 0, 0), moved(0, 0, 0)}));
+    EXPECT_EQ(scene.cage(written).key_positions, (std::vector<std::vector<Vec3f>>{positions, positions}));
+    const Box3d box = scene.bounds();
+    EXPECT_LT(box.hi.x, 2);
+    EXPECT_LT(box.hi.y, 2);
+    EXPECT_FALSE(box.is_empty());
+    EXPECT_TRUE(scene.node(lifted).keys.empty());
+}
+
+// The keys of the skin are the poses that its joints have at theirs.
+TEST(Shutter, AJointThatIsOtherwiseAtMidShutterAlonePosesItsSkinAsItsKeysAre)
+{
+    Scene scene;
+    Cage cage = unit_square();
+    cage.skin.sets = 1;
+    cage.skin.joints.assign(cage.positions.size(), {0, 0, 0, 0});
+    cage.skin.weights.assign(cage.positions.size(), Vec4f(1, 0, 0, 0));
+    const NodeId joint = scene.add_node(scene.add_node(scene.root(), {}), {});
+    const SkinId skin = scene.add(Skin{.joints = {joint}});
+    scene.add_node(scene.root(), {.cages = {scene.add(std::move(cage))}, .skin = skin});
+    scene.record_shutter(1, [&](double tau) { scene.set_transform(joint, moved(tau == 0.5 ? 100 : 0, 0, 0)); });
+    EXPECT_LT(scene.bounds().hi.x, 2);
+    EXPECT_EQ(scene.find(skin)->key_poses.size(), 2u);
 }
 
 TEST(Shutter, MomentsAreChecked)
