@@ -48,6 +48,10 @@ double morph_offsets_of(const Cage& cage, const Node& node) noexcept
 {
     if (cage.morph_targets.empty()) return 0;
     if (node.keys.empty()) return morph_offsets_of(cage, node.morph_weights);
+    // A node that moves, or that one above it moves, has the same offsets at all keys.
+    const auto weighs_otherwise = [](const NodeKey& a, const NodeKey& b) { return a.morph_weights != b.morph_weights; };
+    if (std::adjacent_find(node.keys.begin(), node.keys.end(), weighs_otherwise) == node.keys.end())
+        return morph_offsets_of(cage, node.keys.front().morph_weights);
     double sum = 0;
     for (const NodeKey& key : node.keys) sum += morph_offsets_of(cage, key.morph_weights);
     return sum;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "base/arena.h"
 #include "base/error.h"
@@ -77,6 +78,34 @@ TEST(MorphOffsets, AreCountedWithInstancesAndRefusedBeyondTheirLimit)
         const std::string text = error.what();
         EXPECT_NE(text.find("offsets, and 1.72e+10 is the limit (node 'crowd')"), std::string::npos) << text;
     }
+}
+
+// A node that is moved adds up no more offsets than one that hangs below a node which is moved.
+TEST(MorphOffsets, CountForEachKeyOnlyWhereTheWeightsChange)
+{
+    Scene scene;
+    NodeDesc desc;
+    desc.cages = {scene.add(morphed_cage(12))};
+    desc.morph_weights.assign(12, 1);
+    const NodeId above = scene.add_node(scene.root(), {}), node = scene.add_node(above, desc);
+    const auto offsets = [&] {
+        scene.refit();
+        return scene.contents().morph_offsets;
+    };
+    const double once = offsets();
+    EXPECT_GT(once, 0);
+    for (const NodeId moved : {above, node}) {
+        scene.record_shutter(8, [&](double tau) { scene.set_transform(moved, Trs{.translation = {tau, 0, 0}}); });
+        EXPECT_EQ(offsets(), once);
+    }
+    scene.record_shutter(8, [&](double tau) { scene.set_visible(node, tau <= 0.5); });
+    EXPECT_EQ(offsets(), once);
+    scene.record_shutter(8, [&](double tau) {
+        std::vector<float> weights(12, 1);
+        weights[0] = 1 + float(tau);
+        scene.set_morph_weights(node, weights);
+    });
+    EXPECT_EQ(offsets(), 9 * once);
 }
 
 }  // namespace
