@@ -284,7 +284,7 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
     record.cage.positions.assign(positions.begin(), positions.end());
     find_bounds(record);
     written.keep();
-    record.layers = FaceLayers(record.cage);
+    record.layers.measure(record.cage);
     ++record.positions_version;
     state_->mark_users_dirty(record);
 }

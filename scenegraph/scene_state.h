@@ -264,7 +264,7 @@ struct Scene::State {
         return at(const_cast<SceneTable<T, Tag>&>(map), id, kind);
     }
 
-    // Each of these throws Error if a handle of a material or texture is neither null nor one of the scene's own.
+    // Each throws Error for a handle of another scene, but not for the texture that displaces a cage (verify/subject.h).
     void check_handles(const Material& material) const;
     void check_handles(const Cage& cage) const;
 
