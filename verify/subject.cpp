@@ -93,8 +93,7 @@ std::vector<std::uint32_t> Subject::faces() const
 std::span<const lod::LevelGrid> Subject::Pair::of_face(const std::vector<lod::LevelGrid>& grids, std::uint32_t face)
 {
     const auto face_of = [](const lod::LevelGrid& grid) { return grid.tile.patch.face; };
-    const auto [first, last] = std::ranges::equal_range(grids, face, {}, face_of);
-    return {first, last};
+    return {std::ranges::lower_bound(grids, face, {}, face_of), std::ranges::upper_bound(grids, face, {}, face_of)};
 }
 
 int Subject::level_of_rate(int rate) const
