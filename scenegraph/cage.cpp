@@ -94,7 +94,7 @@ private:
         report(count, "vertices are not finite or beyond 1e16");
     }
 
-    // In a cage that is subdivided so many faces may share a vertex.
+    // So many faces may share a vertex of a cage that is no triangle mesh.
     static constexpr std::uint32_t kMaxSubdividedValence = 4096;
 
     enum class Verdict { Keep, Collapse, OutOfRange, Unusable, Degenerate, TooLarge, AtPole };
