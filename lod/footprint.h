@@ -49,7 +49,8 @@ struct LevelSettings {
     /// The farthest that a control point may be, between the keys of a cage's motion, from where the scene's keys have it:
     /// in target edge lengths where the cage is nearest to the camera.
     float motion_edges = 0.25f;
-    /// The farthest that the eye is from `eye` while the shutter is open. Cages that move follow their paths by it.
+    /// The farthest that the eye is from `eye` while the shutter is open. The keys of cages that move are chosen for an eye
+    /// that is nearer by as much.
     double eye_moves = 0;
     /// The eye at evenly spaced moments of the shutter, and on straight lines between them; empty: it stands still. The one
     /// level of a placement is chosen by it (PerInstance).

@@ -5,8 +5,7 @@
 // has the same bits as one that was never stopped.
 //
 // Memory   64 to 200 bytes a pixel, and up to 1 KB more for each Cryptomatte layer, beside the budget. Each tile takes what
-// a
-//          whole one does, so the sides of the picture count as if they were rounded up to multiples of kTileSide.
+//          a whole one does, so the sides of the picture count as if they were rounded up to multiples of kTileSide.
 // Threads  each tile is read and written by one worker at a time.
 #pragma once
 

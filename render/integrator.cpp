@@ -31,8 +31,7 @@ Integrator::Integrator(const FrameContext& context)
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
       shadows_(context.textures, context.scale, {context.may_pass, texture_width_, context.log}),
       eye_body_(context.textures, texture_width_),
-      seeks_eye_body_(context.may_start_in_body && context.settings.view == View::Beauty &&
-                      context.settings.integrator != IntegratorKind::Ao)
+      seeks_eye_body_(context.may_start_in_body && context.settings.view == View::Beauty)
 {
     waits_ = !context.log && context.settings.light_samples == 1 && context.lights.tree().is_empty() &&
              context.lights.lights_outside_tree() <= static_cast<std::size_t>(kMaxLightsPerHit);

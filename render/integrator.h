@@ -151,7 +151,7 @@ private:
         const shade::Surface& surface;
         Vec3f share;      ///< share of the light leaving the surface that reaches the pixel
         Vec3f lit_share;  ///< the same for light that is gathered, which stands for surfaces that are not lit, too
-        float limit;      ///< of such light
+        float limit;      ///< of the light that is gathered
         float occlusion;  ///< share of the ambient light at the surface that its occlusion map leaves
         /// shade::peak_density(), set where light is gathered. It decides which lights are left to their own samples here
         /// (shade/direct.h).

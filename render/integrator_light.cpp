@@ -205,6 +205,7 @@ void Integrator::gather_sky(const Vertex& v)
     // What passes a surface beside its gaps, as through clear glass, is seen behind it and not on it.
     const Vec3f clear = v.surface.transmittance - Vec3f(1 - v.surface.opacity);
     const Vec3f share = v.lit_share * (Vec3f(1) - clear / v.surface.opacity);
+    if (is_black(share)) return;
     const shade::ShadingFrame axes(v.surface.normal);
     const Sequence squares = numbers(v, Use::Scatter);
     const float reach = context_.settings.ao_distance > 0 ? context_.scale.to_frame(context_.settings.ao_distance)

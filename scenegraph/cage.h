@@ -134,7 +134,7 @@ struct OnDemandCage {
     std::vector<MaterialId> materials{};  ///< slots; empty: the default material
 };
 
-/// The largest coordinate that may be used: areas of boxes, times numbers of up to 280,000 of them, stay below the largest
+/// The largest coordinate that may be used: the sum of the areas of up to 280,000 boxes of that size stays below the largest
 /// float. Where more boxes are all as large as that, a tree over them is worse, not wrong. What is computed in a frame is in
 /// its own unit of length (scenegraph/frame_scale.h).
 inline constexpr float kMaxCoordinate = 1e16f;

@@ -107,7 +107,9 @@ struct Lack {
     {
         const double n4 = node * node * node * node, next = node + 1, all = sum_to(next);
         double low = node, high = next;
+        part = std::clamp(part, 0.0, std::max(all, 0.0));
         double y = all > 0 ? std::sqrt(std::sqrt(n4 + part / all * (next * next * next * next - n4))) : node;
+        y = std::clamp(y, node, next);
         for (int i = 0; i < 8; ++i) {
             const double excess = sum_to(y) - part;
             (excess > 0 ? high : low) = y;

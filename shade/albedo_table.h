@@ -6,9 +6,8 @@
 // given back as a lobe (Kulla and Conty 2017), and the base receives what the layer does not reflect. Directions of that
 // lobe are drawn by its own shape, since that of a narrow layer lies close to the horizon.
 //
-// Memory   two tables of 64 x 48 floats, and one of as many doubles. A row, of one roughness, is made once per process on
-// first use (some 0.2 ms), and
-//          read only from then on.
+// Memory   two tables of 64 x 48 floats, and one of as many doubles. A row, of one roughness, is made once per
+//          process on first use (some 0.2 ms), and read only from then on.
 // Threads  any.
 #pragma once
 

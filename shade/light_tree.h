@@ -13,7 +13,7 @@
 // splitting in the same paper). From parts that give little a light is drawn by chance.
 //
 // Space    world axes, relative to an origin of the tree's own; floats. Boxes are padded by what floats lose there, so the
-//          origin is where the receivers are: a light that is very far away from it needs no better.
+//          origin is where the receivers are: a light that is very far from there needs no exact box.
 // Memory   about 160 bytes a light.
 // Threads  const after construction.
 #pragma once

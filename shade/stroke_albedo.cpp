@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kRings = 24, kAngles = 32;
 
-// Visible normals come from the unit disc: rings that get finer towards its rim, where the long tail of GGX is. The weight
-// of a ring is the square of its root, because 1 - radius^2 is the cube of the root.
+// Visible normals come from the unit disc: rings that get finer towards its rim, where the long tail of GGX is. For x that
+// is even over the rings, 1 - radius^2 is the cube of x, so a ring has the weight x^2.
 struct Disc {
     std::array<float, kRings> weight, radius;
     float whole = 0;  // sum of the weights of all points

@@ -120,8 +120,14 @@ void EscapeTest::replay(const RayLine& line, std::ostream& out)
 {
     if (subject_.is_empty()) throw error_without_file("the cage has no limit surface", "ray");
     choose_instants();
-    if (line.level) finest_ = *line.level;
-    else find_first_level();
+    if (line.level) {
+        const int coarsest = subject_.level_of_rate(settings_.largest_rate);
+        if (*line.level > coarsest || *line.level <= coarsest - kFiner)
+            throw error_without_file("the test has no level " + std::to_string(*line.level), "ray");
+        finest_ = *line.level;
+    } else {
+        find_first_level();
+    }
     set_levels();
     accel::Ray ray;
     ray.origin = line.origin * scale_.to_frame();

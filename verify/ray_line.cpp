@@ -11,7 +11,7 @@
 namespace occam {
 namespace {
 
-constexpr double kFarthestLevel = 200;  // beyond the exponents of floats
+constexpr double kFarthestLevel = 100;  // beyond all levels
 
 [[noreturn]] void refuse(const std::string& what) { throw error_without_file(what, "ray"); }
 

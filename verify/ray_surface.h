@@ -10,7 +10,7 @@
 
 namespace occam {
 
-/// Returns the winding number about a point of the surface that a ray sees, in double and without any tree.
+/// Returns how often the surface that a ray sees winds around a point, in double and without any tree.
 ///
 /// The ray's pairs are cut at its transitions, the planes at distance t along it, and the solid angles of the pieces
 /// are summed. Pairs finer than `finest` are replaced by `finest`: pieces that small change nothing.

@@ -43,8 +43,8 @@ public:
     /// Looks for points anywhere in the cage.
     void anywhere();
 
-    /// Looks for a point behind each of some of these faces, chosen at random. Returns how many it found. It may have less
-    /// room than those anywhere, unless the cage is displaced, by other distances at levels that are finer still.
+    /// Looks for a point behind each of some of these faces, chosen at random. Returns how many it found. They may have
+    /// less room than those anywhere, unless the cage is displaced: at finer levels they could lie outside of it.
     std::size_t behind(std::span<const std::uint32_t> faces);
 
 private:

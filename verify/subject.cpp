@@ -138,6 +138,16 @@ lod::LevelGrid Subject::image_at(lod::LevelGrid grid, float time) const
     return grid;
 }
 
+std::size_t Subject::corner_count(int level) const
+{
+    std::size_t count = 0;
+    for (const Patch& p : patches_) {
+        const lod::PatchRates rates = p.scale.rates(level);
+        count += std::size_t(6) << (rates.u + rates.v);
+    }
+    return count;
+}
+
 Subject::Pair Subject::dice(int level, float time)
 {
     Pair pair;

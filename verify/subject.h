@@ -52,6 +52,8 @@ public:
         /// Returns those of `grids` or `hanging` that belong to a face.
         static std::span<const lod::LevelGrid> of_face(const std::vector<lod::LevelGrid>& grids, std::uint32_t face);
     };
+    /// Returns the number of corners that a pair has at this level.
+    std::size_t corner_count(int level) const;
     /// Returns the whole cage at a pair of levels, as rays of this moment see it.
     Pair dice(int level, float time);
 

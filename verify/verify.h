@@ -39,7 +39,7 @@ struct VerifiedCage {
     std::string not_testable;  ///< the reason; empty if the cage was tested
     std::uint64_t starts = 0;  ///< points inside from which rays start
     /// The number of faces that no ray met, at the size of the cage at which there are most of them. Points inside are
-    /// looked for behind faces that were not met, until all are, or meshes in which there is more room would be too large.
+    /// looked for behind faces that were not met, until all are, or the finer meshes that this takes would be too large.
     std::uint64_t faces_not_met = 0;
     /// The number of moments of the shutter at which no point inside was found, so that no ray saw the cage.
     std::uint64_t moments_not_tested = 0;

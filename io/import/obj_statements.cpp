@@ -71,8 +71,8 @@ bool apply_tag(const Tag& tag, Cage& cage)
     return false;
 }
 
-// Holds the colours that some programs write after a vertex's position: sRGB from 0 to 1. A vertex that
-// lacks them is white, be it before the first that has them or after it. But after a vertex of four numbers, the last of
+// Holds the colours that some programs write after a vertex's position: sRGB from 0 to 1. A vertex that lacks them is
+// white, be it before the first that has them or after it. But after a vertex of four numbers, the last of
 // which is a weight, none has colours.
 class VertexColors {
 public:

@@ -29,11 +29,16 @@ double turn(Vec3d n, Vec3f a, Vec3f b, Vec3f c) { return glm::dot(n, glm::cross(
 
 bool is_convex(Vec3d n, std::span<const Vec3f> p)
 {
+    // Edges without a length have no direction: those on either side of them turn against each other.
     const std::size_t size = p.size();
+    std::size_t before = size - 1;
+    while (before > 0 && p[before] == p[0]) --before;
     for (std::size_t i = 0; i < size; ++i) {
-        const Vec3f a = p[i], b = p[(i + 1) % size], c = p[(i + 2) % size];
+        const Vec3f a = p[before], b = p[i], c = p[(i + 1) % size];
+        if (b == c) continue;
         const double turned = turn(n, a, b, c);
         if (turned < 0 || (turned == 0 && glm::dot(Vec3d(b) - Vec3d(a), Vec3d(c) - Vec3d(b)) < 0)) return false;
+        before = i;
     }
     return true;
 }

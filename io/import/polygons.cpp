@@ -170,7 +170,9 @@ void place_far(Polygons& polygons)
 Settled settle(Polygons polygons, Subdivide subdivide, Report& report)
 {
     if (polygons.far.loses_shape())
-        report.warn("the vertices are so far from the origin beside their distances that these are rounded", report.name());
+        report.warn(
+            "the vertices are so far from the origin, compared with the distances between them, that these are rounded",
+            report.name());
     const Vec3d place = polygons.place;
     constexpr const char* kLoop = "its name says that it is a cage of the Loop scheme, which is not supported";
     bool is_cage = subdivide == Subdivide::On || (subdivide == Subdivide::Auto && polygons.is_tagged);

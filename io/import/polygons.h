@@ -18,7 +18,7 @@ struct Polygons {
     std::vector<Vec3f> normals;
     std::vector<std::uint32_t> normal_indices;  ///< one a corner, kNoIndex for none; empty: no normals
     std::vector<std::uint32_t> smoothing;       ///< the smoothing group of each face, 0 for flat; empty: all are flat
-    FarPositions far;                           ///< the positions of a file that gives them in more digits
+    FarPositions far;                           ///< positions in double, if the file has so many digits
     Vec3d place{0};                             ///< where the cage is, after place_far()
     bool is_tagged = false;                     ///< the file says something about subdivision
     bool has_libraries = false;                 ///< the file names libraries of materials, be they read or not

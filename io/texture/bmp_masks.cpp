@@ -28,9 +28,10 @@ std::optional<BmpMasks> masks_of_bmp(ImageBytes& bytes)
     if (little_endian_of(bytes, 0, 2) != kMark || header == kOldestHeader || little_endian_of(bytes, kBmpBitsAt, 2) != 32)
         return std::nullopt;
     BmpMasks masks = kUsualMasks;
-    if (compression == kByMasks || compression == kByMasksWithAlpha)
+    const bool is_by_masks = compression == kByMasks || compression == kByMasksWithAlpha;
+    if (is_by_masks)
         for (std::size_t k = 0; k < 3; ++k) masks[k] = little_endian_of(bytes, kBmpMasksAt + 4 * k, 4);
-    const bool may_have_alpha = header >= kHeaderWithAlpha || compression == kByMasksWithAlpha;
+    const bool may_have_alpha = is_by_masks && (header >= kHeaderWithAlpha || compression == kByMasksWithAlpha);
     masks[3] = may_have_alpha ? little_endian_of(bytes, kBmpMasksAt + 12, 4) : 0;
     return masks;
 }
@@ -58,6 +59,9 @@ void put_in_usual_order(std::vector<std::byte>& file, const BmpMasks& masks)
     if (file.size() < kBmpMasksAt) return;
     std::size_t pixel = at(kBmpPixelsAt) | at(kBmpPixelsAt + 1) << 8 | at(kBmpPixelsAt + 2) << 16 |
                         at(kBmpPixelsAt + 3) << 24;
+    const std::size_t header = at(kBmpHeaderAt) | at(kBmpHeaderAt + 1) << 8 | at(kBmpHeaderAt + 2) << 16 |
+                               at(kBmpHeaderAt + 3) << 24;
+    if (pixel < kBmpHeaderAt + header) return;  // what was read of the head stays as it is
     std::array<std::size_t, 4> to{}, from{};
     for (std::size_t k = 0; k < 4; ++k) {
         to[k] = static_cast<std::size_t>(std::countr_zero(kUsualMasks[k])) / 8;

@@ -151,9 +151,9 @@ public:
         constexpr std::size_t kAssociated = 1, kUnassociated = 2;
         TiffPixels pixels{.kind = short_of(kPhotometric, 0, 1), .bits = short_of(kBitsPerSample, 0, 1)};
         pixels.samples = short_of(kSamplesPerPixel, 0, 1);
-        for (; pixels.extra < pixels.samples && short_of(kExtraSamples, pixels.extra, kNothing) != kNothing;
-             ++pixels.extra) {
-            const std::size_t kind = short_of(kExtraSamples, pixels.extra, kNothing);
+        const Shorts extra = shorts_of(kExtraSamples);
+        for (; pixels.extra < pixels.samples && short_at(extra, pixels.extra, kNothing) != kNothing; ++pixels.extra) {
+            const std::size_t kind = short_at(extra, pixels.extra, kNothing);
             if (pixels.alpha || (kind != kAssociated && kind != kUnassociated)) continue;
             pixels.alpha = pixels.extra;
             pixels.is_multiplied = kind == kAssociated;
@@ -191,18 +191,28 @@ private:
         put(to, at + 4, 1, word());
         put(to, value_of(at), value, 2);
     }
-    // Returns one of the numbers of 16 bits that are the value of a tag.
-    std::size_t short_of(std::size_t tag, std::size_t index, std::size_t otherwise) const
+    // The numbers of 16 bits that are the value of a tag.
+    struct Shorts {
+        std::size_t at = 0, count = 0;
+    };
+    // Walks the whole directory, which may be long.
+    Shorts shorts_of(std::size_t tag) const
     {
         for (std::size_t at = first(); at < end(); at += entry()) {
             if (number(at, 2) != tag || number(at + 2, 2) != kShort) continue;
             const std::size_t count = number(at + 4, word());
-            if (index >= count) return otherwise;
-            const std::size_t list = count <= word() / 2 ? value_of(at) : number(value_of(at), word());
-            return list <= file_.size() - 2 && 2 * index <= file_.size() - 2 - list ? number(list + 2 * index, 2)
-                                                                                    : otherwise;
+            return {count <= word() / 2 ? value_of(at) : number(value_of(at), word()), count};
         }
-        return otherwise;
+        return {};
+    }
+    std::size_t short_at(const Shorts& list, std::size_t index, std::size_t otherwise) const
+    {
+        if (index >= list.count || list.at > file_.size() - 2 || 2 * index > file_.size() - 2 - list.at) return otherwise;
+        return number(list.at + 2 * index, 2);
+    }
+    std::size_t short_of(std::size_t tag, std::size_t index, std::size_t otherwise) const
+    {
+        return short_at(shorts_of(tag), index, otherwise);
     }
     // Returns whether there is an entry of that tag, with a value of `least` or more.
     bool has(std::size_t tag, std::size_t least = 0) const

@@ -1,6 +1,7 @@
 // Tests that the triangles of a polygon cover it and nothing else, also where it touches itself.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -128,6 +129,19 @@ TEST(PolygonCut, RepeatedCornersAndSlitsChangeNothing)
                                         {1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {1, 1, 0}};
     expect_whole(in_line, "an edge of the hole goes on from the way to it");
     EXPECT_NEAR(areas_of(in_line).all, 35.5, 1e-9);
+}
+
+// The edge between the two corners has no direction, so it does not show that the polygon turns back.
+TEST(PolygonCut, ASlitMayEndAtARepeatedCorner)
+{
+    const std::vector<Vec3f> square = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 2, 0},
+                                       {1, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
+    for (std::size_t first = 0; first < square.size(); ++first) {
+        std::vector<Vec3f> polygon(square);
+        std::ranges::rotate(polygon, polygon.begin() + static_cast<std::ptrdiff_t>(first));
+        expect_whole(polygon, "from corner " + std::to_string(first));
+        EXPECT_NEAR(areas_of(polygon).all, 4, 1e-9) << first;
+    }
 }
 
 TEST(PolygonCut, AHoleOfAFileStaysOpen)

@@ -41,6 +41,21 @@ TEST(AmbientOcclusion, IsSeenThroughAPaneAsItComesThroughIt)
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(above[c], 1 - color[c] + color[c] * below[c], 0.06f) << c;
 }
 
+// The same way through a body counts, be the eye above it or in it.
+TEST(AmbientOcclusion, IsTakenByTheBodyInWhichTheEyeIs)
+{
+    for (const double eye : {5.0, 0.2}) {
+        BodyStage stage;
+        stage.put(level_square(1), matte_of(1), {0, -0.5, 0});
+        stage.put(triangle_box(), body_of(1));
+        stage.settings.integrator = IntegratorKind::Ao;
+        stage.settings.spp = 64;
+        stage.settings.ao_distance = 0.25f;
+        const Vec3f seen = stage.seen(Camera::look_at({0, eye, 0}, {0, 0, 0}, {0, 0, -1}, 0.05f));
+        expect_close(seen, left_after((eye > 1 ? 1.5 : 0.7) + 0.25), 0.01);
+    }
+}
+
 // A body that does not bend light is such a pane, and takes light on the way besides. An opaque pane shows itself alone, and
 // a blended one its own share, as before.
 TEST(AmbientOcclusion, IsTakenByBodiesAndOpaquePanes)

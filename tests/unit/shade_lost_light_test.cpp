@@ -52,7 +52,7 @@ TEST(LostLight, IsDrawnInItsOwnShape)
 
 TEST(LostLight, IsDrawnBetweenTheHorizonAndTheNormal)
 {
-    for (const float alpha : {kMinAlpha, 0.002f, 0.1f, 1.0f})
+    for (const float alpha : {kMinAlpha, 0.00185742f, 0.002f, 0.1f, 1.0f})
         for (const float number : {0.0f, 1e-30f, 0.5f, 0x1.fffffep-1f}) {
             const float cosine = AlbedoTable::instance().draw_lost(number, AlbedoTable::row_of(alpha));
             EXPECT_TRUE(cosine >= 0 && cosine <= 1) << alpha << ' ' << number << ' ' << cosine;

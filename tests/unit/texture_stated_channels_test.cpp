@@ -95,6 +95,13 @@ TEST(StatedChannels, MasksOfABmpSayWhichByteIsWhat)
     }
     const Decoded with_alpha = decoded("a.bmp", bmp({0xff0000, 0xff00, 0xff, 0xff000000}, z + z + f + x + z + f + z + x));
     expect_near(with_alpha.texels.at(0), Vec4f(1, 0, 0, 64.0f / 255));
+    // Masks count only where the compression says so.
+    std::string without_masks = bmp({1, 2, 4, 0xff000000}, z + z + f + z + z + f + z + z);
+    without_masks[30] = 0;
+    const Decoded plain = decoded("a.bmp", without_masks);
+    ASSERT_EQ(plain.texels.size(), 2u) << plain.error;
+    EXPECT_FALSE(plain.has_alpha);
+    expect_near(plain.texels[0], kRed);
     EXPECT_NE(
         decoded("a.bmp", bmp({0x3ff00000, 0xffc00, 0x3ff, 0}, std::string(8, '\0'))).error.find("masks of its colours"),
         std::string::npos);
