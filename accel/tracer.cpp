@@ -61,7 +61,7 @@ private:
     int pair_ = lod::kNoPair;
     bool are_levels_set_ = false, is_reach_set_ = false;
     float start_[sizeof(F) / sizeof(float)]{}, scale_[sizeof(F) / sizeof(float)]{};
-    float level_[sizeof(F) / sizeof(float)], reach_[sizeof(F) / sizeof(float)];
+    float level_[sizeof(F) / sizeof(float)]{}, reach_[sizeof(F) / sizeof(float)]{};
 };
 
 }  // namespace

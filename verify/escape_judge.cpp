@@ -112,7 +112,7 @@ bool EscapeTest::is_grazing(const accel::Ray& ray)
 double EscapeTest::winding_of(const accel::Ray& ray, Vec3d from_start)
 {
     lod::RayLevels<float> table;
-    if (!make_table(ray, table) || subject_.corner_count(finest_) > 4 * kMostCorners) return 1;
+    if (!make_table(ray, table)) return 1;
     const Vec3d from = ray.origin - subject_.posed().anchor;
     return winding_number_of_ray(from + from_start, from, glm::normalize(Vec3d(ray.direction)), table, finest_,
                                  [&](int level) -> const std::vector<lod::LevelGrid>& {

@@ -224,6 +224,11 @@ TEST(Replay, ARayOfTheTestOfClosednessIsTracedAgain)
     away.origin = {0, 0, -3};
     EXPECT_TRUE(replay(scene, {}, away.text(), out));
     EXPECT_NE(out.str().find("The ray starts outside of the surface"), std::string::npos) << out.str();
+    for (const int level : {-30, -14, 20}) {
+        RayLine other = away;
+        other.level = level;
+        EXPECT_THROW(replay(scene, {}, other.text(), out), Error) << level;
+    }
     for (const std::size_t cage : {1 - number, std::size_t(2)}) {
         RayLine other = inside;
         other.cage = cage;
