@@ -102,11 +102,12 @@ void warn_of_empty_values(const json& object, const std::string& where, Report& 
     };
     for (const auto& entry : object.items()) {
         const json& value = entry.value();
-        if (is_empty(value) && entry.key() != "hidden_from")
-            report.warn("'" + entry.key().substr(0, kMaxShownName) + "' is empty, and is not read", where);
-        else if (value.is_object()) warn_of_empty_values(value, where + "." + entry.key().substr(0, kMaxShownName), report);
+        const std::string key(entry.key(), 0, kMaxShownName);
+        const auto says = [&](const char* what) { return std::string("'").append(key).append(what); };
+        if (is_empty(value) && entry.key() != "hidden_from") report.warn(says("' is empty, and is not read"), where);
+        else if (value.is_object()) warn_of_empty_values(value, std::string(where).append(".").append(key), report);
         else if (value.is_array() && std::any_of(value.begin(), value.end(), [](const json& one) { return one.empty(); }))
-            report.warn("'" + entry.key().substr(0, kMaxShownName) + "' has an empty element, which is not read", where);
+            report.warn(says("' has an empty element, which is not read"), where);
     }
 }
 
