@@ -8,7 +8,6 @@
 #include "base/error_without_file.h"
 #include "base/printable.h"
 #include "lod/ray_levels.h"
-#include "verify/ray_surface.h"
 
 namespace occam {
 namespace {
@@ -71,18 +70,17 @@ void EscapeTest::test_all_levels(std::uint64_t rays)
 {
     report_.not_testable.clear();
     const int first = finest_, last = subject_.level_of_rate(settings_.largest_rate) - kFiner;
+    std::vector<std::vector<Start>> starts;
+    for (const Instant& instant : instants_) starts.push_back(instant.starts);
     test_level(rays);
     // Behind faces that were not met the inside may be too thin for the first level.
-    while (report_.rays < rays && !not_met_.empty() && finest_ - 1 > last) {
-        const std::size_t corners = dice(finest_ - 1);
+    while (report_.rays < rays && !not_met_.empty() && finest_ - 1 > last && corners_ <= kMostCorners) {
+        dice(finest_ - 1);
         if (find_starts_behind() > 0) test_level(rays);
-        if (corners > kMostCorners) break;
     }
     if (report_.rays >= rays) return;
-    if (finest_ != first || !has_starts()) {
-        dice(first);
-        find_starts();
-    }
+    if (finest_ != first) dice(first);
+    for (std::size_t i = 0; i < instants_.size(); ++i) instants_[i].starts = starts[i];
     send(rays);
 }
 
@@ -122,7 +120,7 @@ void EscapeTest::replay(const RayLine& line, std::ostream& out)
     choose_instants();
     if (line.level) {
         const int coarsest = subject_.level_of_rate(settings_.largest_rate);
-        // The test refines a mesh for the last time if it has kMostCorners.
+        // The test refines meshes of up to kMostCorners, which gives at most four times as many.
         const bool is_refined_so = *line.level > coarsest - kFiner && subject_.corner_count(*line.level) <= 4 * kMostCorners;
         if (*line.level > coarsest || (*line.level < coarsest && !is_refined_so))
             throw error_without_file("the test has no level " + std::to_string(*line.level), "ray");
@@ -195,20 +193,21 @@ void EscapeTest::choose_instants()
     }
 }
 
-std::size_t EscapeTest::dice(int finest)
+void EscapeTest::dice(int finest)
 {
     finest_ = finest;
+    grazing_.reset();
+    silhouettes_.reset();
     tracer_.reset();
     frame_.reset();
-    std::size_t corners = 0;
+    corners_ = 0;
     for (Instant& instant : instants_) {
         instant.starts.clear();
         instant.pairs.clear();
         for (int level = finest_; level < finest_ + kLevels; ++level)
             instant.pairs.push_back(subject_.dice(level, instant.time));
-        corners += instant.pairs.front().corners.size();
+        corners_ += instant.pairs.front().corners.size();
     }
-    return corners;
 }
 
 bool EscapeTest::has_starts() const
@@ -239,10 +238,10 @@ bool EscapeTest::find_first_level()
 {
     const int level_of_rate = subject_.level_of_rate(settings_.largest_rate);
     for (int finer = 0; finer < kFiner; ++finer) {
-        const std::size_t corners = dice(level_of_rate - finer);
+        dice(level_of_rate - finer);
         find_starts();
         if (has_starts()) return true;
-        if (corners > kMostCorners) break;
+        if (corners_ > kMostCorners) break;
     }
     // In thin walls a point has less room than is looked for at first.
     return !not_met_.empty() && find_starts_behind() > 0;

@@ -47,8 +47,8 @@ private:
     /// Chooses the moments at which rays see the cage: one if it stands still, else one of its keys, and others anywhere.
     void choose_instants();
 
-    /// Dices the cage from this level on, at all moments. Returns the number of corners of the finest meshes.
-    std::size_t dice(int finest);
+    /// Dices the cage from this level on, at all moments, and forgets what was made for another level.
+    void dice(int finest);
 
     /// Finds points anywhere inside the cage, at all moments.
     void find_starts();
@@ -100,20 +100,20 @@ private:
     const VerifySettings& settings_;
     const TextureStore* textures_;
     VerifiedCage& report_;
-    std::map<std::pair<float, int>, std::vector<lod::LevelGrid>>
-        diced_;  ///< by time and level; diced when a ray may start outside
+    std::map<std::pair<float, int>, std::vector<lod::LevelGrid>> diced_;  ///< by time and level; diced for winding numbers
     Random random_;
     FrameScale scale_;  ///< all lengths are in its unit
     std::vector<Mat4d> frame_from_object_;
     Subject subject_;
     int finest_ = 0;
     std::vector<Instant> instants_;
+    std::size_t corners_ = 0;              ///< number of corners of their finest meshes
     std::vector<std::uint32_t> not_met_;   ///< faces that no ray met
     std::vector<bool> is_met_;             ///< by face
     std::unique_ptr<accel::Frame> frame_;  ///< of the level; made when rays are sent
     std::unique_ptr<accel::Tracer> tracer_;
     lod::LevelSettings levels_, engine_levels_;
-    std::unique_ptr<GrazingRays> grazing_;                     ///< made when the first ray hits nothing
+    std::unique_ptr<GrazingRays> grazing_;                     ///< made when the first ray may have left
     int front_sides_examined_ = 0, silhouettes_examined_ = 0;  ///< by the winding number
     std::unique_ptr<Silhouettes> silhouettes_;                 ///< made when the first ray hits a front side
 };

@@ -15,7 +15,7 @@
 
 namespace occam {
 
-/// No mesh with more corners is refined any further.
+/// Finest meshes that have more corners than this, at all moments together, are refined no further.
 inline constexpr std::size_t kMostCorners = 2'000'000;
 
 inline constexpr std::uint32_t kNoFace = std::numeric_limits<std::uint32_t>::max();
