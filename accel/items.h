@@ -50,6 +50,8 @@ struct ShutterBox {
     const Box3f* at_keys = nullptr;  ///< the same at each key of the scene's shutter; null: `box` stands for all
 };
 
+inline constexpr float kBoxUlps = 4;  // boxes of items grow by two ulps for their rounding and two for the culling rule
+
 /// Tells by how much a box at a key grows, so that boxes that are linear between keys hold what they should: what lies
 /// between keys is rounded to ulps of where it is, and of where the key before it is.
 class GrowthAtKeys {
@@ -57,10 +59,9 @@ public:
     /// Returns the growth of the box at the next key. Empty boxes count as one at the origin.
     float next(const Box3f& box) noexcept
     {
-        constexpr float kUlps = 4;
         const float before = largest_;
         largest_ = box.is_empty() ? 0 : box.largest_coordinate();
-        return std::max(before, largest_) * kUlps * std::numeric_limits<float>::epsilon();
+        return std::max(before, largest_) * kBoxUlps * std::numeric_limits<float>::epsilon();
     }
 
 private:

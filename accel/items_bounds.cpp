@@ -4,8 +4,6 @@
 namespace occam::accel {
 namespace {
 
-constexpr float kBoxUlps = 4;  // boxes of items grow by two ulps for their rounding and two for the culling rule
-
 /// Returns how far a ray may be from where it is in the world, in world length, after it was taken to a still pose: its
 /// origin lies within some radii there, and its direction is rounded, too.
 double rounding_of(const lod::PosedCage& still_pose)

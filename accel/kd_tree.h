@@ -2,9 +2,9 @@
 //
 // A node starts lazy: a box and a list of items. Rays that enter it ask for pairs of levels (lod/ray_levels.h). For these
 // pairs it becomes a leaf, or it becomes interior for them and all finer ones. Then it has a plane, and a bound on the pairs
-// for which the boxes below it are right, and those of parts that lie beside it; for rays of coarser pairs it is a leaf. So
-// a node may be a leaf for many pairs, with a list of igrids for each. A leaf claims no pair at which a part that was left
-// out may reach into it.
+// for which the boxes below it are right and the parts that were left out lie beside it; for rays of coarser pairs it is a
+// leaf. So a node may be a leaf for many pairs, with a list of igrids for each. No leaf serves a pair at which a part that
+// was left out may reach into it.
 //
 // The plane comes from the surface area heuristic, scanned at fixed steps where there are many boxes (Hunt et al. 2006)
 // and tried at all their ends where there are few, after opening large items until there are enough to choose from

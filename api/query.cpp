@@ -183,6 +183,7 @@ struct Query::State {
         textures.throw_if_failed();
     }
     bool looks_up_textures() const { return scene.contents().has(Contents::Displaced | Contents::Masked); }
+
     std::optional<Hit> closest(const accel::Ray& ray)
     {
         if (!(ray.t_far > 0)) return std::nullopt;

@@ -24,17 +24,18 @@ std::vector<std::string> words_of(const std::string& line)
     return words;
 }
 
-/// Returns the lines of a file, but not very many; none if it cannot be read.
+constexpr std::size_t kMostLines = 65'536;
+
+/// Returns the first kMostLines lines of a file; none if it cannot be read.
 std::vector<std::string> lines_of(const std::string& path)
 {
-    constexpr std::size_t kMostLines = 65'536;
     std::ifstream file(path);
     std::vector<std::string> lines;
     for (std::string line; lines.size() < kMostLines && std::getline(file, line);) lines.push_back(line);
     return lines;
 }
 
-/// Returns whether a name is in a list with commas.
+/// Returns whether a name is in a list whose names are separated by commas.
 bool has_name(std::string_view list, std::string_view name)
 {
     while (!list.empty()) {

@@ -17,4 +17,11 @@ struct ContainerLimits {
 /// root   of the file system; tests have one of their own
 ContainerLimits container_limits(const std::string& root = "") noexcept;
 
+/// Returns those of the machine, which are read once: that takes as long as a small frame does.
+inline const ContainerLimits& own_container_limits() noexcept
+{
+    static const ContainerLimits limits = container_limits();
+    return limits;
+}
+
 }  // namespace occam

@@ -16,7 +16,7 @@ inline std::size_t machine_memory_bytes() noexcept
 {
     const auto pages = static_cast<std::size_t>(std::max(0L, sysconf(_SC_PHYS_PAGES)));
     const std::size_t machine = pages * static_cast<std::size_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
-    const std::size_t container = container_limits().memory_bytes;
+    const std::size_t container = own_container_limits().memory_bytes;
     return container > 0 && (machine == 0 || container < machine) ? container : machine;
 }
 

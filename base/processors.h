@@ -35,7 +35,7 @@ inline int processors_of_set()
 inline int processor_count()
 {
     const int count = processors_of_set();
-    const double share = container_limits().processors;
+    const double share = own_container_limits().processors;
     return share > 0 && share < double(count) ? std::max(1, static_cast<int>(std::ceil(share))) : count;
 }
 

@@ -350,7 +350,7 @@ void check_inputs(const RenderArguments& a)
 
 Scene open_scene(const RenderArguments& a, std::span<const std::filesystem::path> pictures)
 {
-    check_inputs(a);  // of the environment before the scene is read, which may take long
+    check_inputs(a);  // before the scene is read, which may take long
     Scene scene = open_scene(a);
     std::vector<std::filesystem::path> outputs(pictures.begin(), pictures.end());
     if (!a.stats.empty()) outputs.push_back(a.stats);

@@ -211,7 +211,7 @@ public:
     }
 
 private:
-    static constexpr int kUnknown = std::numeric_limits<int>::max();  // the session has failed, so it has to start again
+    static constexpr int kUnknown = std::numeric_limits<int>::max();  // no row comes next, so the session has to start again
 
     bool restart()
     {

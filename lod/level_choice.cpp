@@ -58,12 +58,15 @@ public:
     double nearest(const LevelSettings& settings, bool only_in_view) const
     {
         double nearest = kInfinity;
-        std::vector<std::uint32_t> todo{0};
+        struct Found {
+            std::uint32_t cluster;
+            Place place;
+        };
+        std::vector<Found> todo{{0, place_of(0)}};
         while (!todo.empty()) {
-            const std::uint32_t cluster = todo.back();
+            const auto [cluster, place] = todo.back();
             const ClusterTree::Node& node = first_.clusters->node(cluster);
             todo.pop_back();
-            const Place place = place_of(cluster);
             if (place.is_empty() || !(place.distance < nearest) || (only_in_view && is_outside(settings, place))) continue;
             if (node.left == 0) {
                 const double radius = std::min(place.from.radius(), place.to.radius());
@@ -71,15 +74,17 @@ public:
                 continue;
             }
             // The nearer child comes on top.
-            const bool left_is_nearer = place_of(node.left).distance <= place_of(node.left + 1).distance;
-            todo.push_back(node.left + (left_is_nearer ? 1 : 0));
-            todo.push_back(node.left + (left_is_nearer ? 0 : 1));
+            const Found left{node.left, place_of(node.left)}, right{node.left + 1, place_of(node.left + 1)};
+            const bool left_is_nearer = left.place.distance <= right.place.distance;
+            todo.push_back(left_is_nearer ? right : left);
+            todo.push_back(left_is_nearer ? left : right);
         }
         return nearest;
     }
     /// Returns the least distance from the eye to the box of the whole cage.
     double nearest_of_all() const noexcept { return place_of(0).distance; }
-    double reach() const noexcept { return double(std::min(first_.displacement.reach, next_.displacement.reach)); }
+    /// Returns the reach of displacement, which is one for all keys.
+    double reach() const noexcept { return double(first_.displacement.reach); }
 
 private:
     /// Where the box of a cluster is when the part begins and ends, and how near it comes.
@@ -147,14 +152,15 @@ int choose_level(const LevelSettings& settings, const PosedCage& cage)
 {
     constexpr int kFinest = -60, kCoarsest = 60;
     double nearest = kInfinity;
-    for_each_part(settings, cage, [&](const PartOfShutter& part) {
-        if (!(part.nearest_of_all() < nearest)) return;
-        double distance = part.nearest(settings, true);
-        if (distance == kInfinity) distance = part.nearest(settings, false);
-        // Where the eye is within the reach of displacement nothing tells how near the surface is, and edges much shorter
-        // than that reach cost dearly: boxes of tiles are as large as it.
-        nearest = std::min(nearest, std::max(distance, part.reach()));
-    });
+    for (const bool only_in_view : {true, false}) {
+        if (nearest < kInfinity) break;  // something is in view in a part of the shutter
+        for_each_part(settings, cage, [&](const PartOfShutter& part) {
+            if (!(part.nearest_of_all() < nearest)) return;
+            // Where the eye is within the reach of displacement nothing tells how near the surface is, and edges much
+            // shorter than that reach cost dearly: boxes of tiles are as large as it.
+            nearest = std::min(nearest, std::max(part.nearest(settings, only_in_view), part.reach()));
+        });
+    }
     const float target_edge = settings.target_edge(settings.pixel).at(static_cast<float>(nearest));
     if (!(target_edge > 0)) return kFinest;
     return std::isinf(target_edge) ? kCoarsest : std::clamp(std::ilogb(target_edge), kFinest, kCoarsest);

@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::uint32_t kAllSegments = PosedCage::kAllSegments;
 /// A cage that moves by its nodes alone, and farther than this many of its radii, has a dicing frame for each of its keys.
-/// Boxes grow by 64 ulps of the largest coordinate there: in one frame for all, by more than a 512th of the radius.
+/// Boxes grow by 64 ulps of the largest coordinate in their frame: if all keys shared one, by more than a 512th of the
+/// radius.
 constexpr float kFarInRadii = 256;
 
 /// Returns the map from a pose's dicing frame to object axes, unless the pose is so flat that rounding spoils it.

@@ -118,7 +118,7 @@ struct PosedCage {
     /// kFinestAtPoles. Finer levels are the same as this one.
     int finest_level() const noexcept
     {
-        // The keys of a cage that flies lie in one dicing frame, which may be much larger than what is diced.
+        // The keys of a cage that flies may lie in one dicing frame, which is much larger than what is diced.
         const PosedCage& of = diced();
         const float at_poles = of.longest_at_poles * (float(1 << kMaxExponent) / kFinestAtPoles);
         const float longest = std::max({16 * of.radius, 16 * of.largest_radius, at_poles});

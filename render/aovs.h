@@ -79,7 +79,7 @@ inline constexpr AovRow kAovs[] = {
     {Aov::Position, "position", "XYZ", true, 0, true, "point in world space"},
     {Aov::Id, "id", "I", true, 0, true, "a number for each node, from 1; 0 where nothing is hit"},
     {Aov::Variance, "variance", "Y", true, 0, false,
-     "variance of the pixel's mean luminance, estimated from its samples; infinity where these are fewer than two"},
+     "variance of the pixel's mean luminance, estimated from its samples; infinity where these are too few to tell it"},
     {Aov::NormalMean, "normal_mean", "XYZ", false, 0, false,
      "mean over the pixel of the normal with its normal map; denoisers use it with albedo"},
     {Aov::CryptomatteObject, "cryptomatte_object", "RGBA", true, 0, false,

@@ -232,7 +232,7 @@ private:
     void cross_lights(const Path& path, const accel::Ray& ray, float t_far, SampleResult& result) const;
     void add_emission(const Path& path, const accel::SurfaceHit& hit, const shade::Surface& surface, Vec3f share,
                       SampleResult& result) const;
-    /// Returns the limit (light_limit.h) of light that `scatterings` surfaces scattered, for a path that stands for so many.
+    /// Returns the limit (light_limit.h) of light that `scatterings` surfaces scattered; `stands_for` is as Path has it.
     float limit(int scatterings, float stands_for) const noexcept
     {
         const bool is_limited = context_.clamp > 0 && scatterings >= 2;

@@ -1,6 +1,6 @@
 // The limit of what light that was scattered twice or more brings to a pixel (Settings::clamp).
 //
-// What is limited is what comes to the pixel: behind each pane, leaf and body on the way.
+// What is limited is what comes to the pixel: the light that each pane, leaf and body on its way has left.
 #pragma once
 
 #include <algorithm>

@@ -108,7 +108,7 @@ void PathLog::passes(Vec3f transmittance, bool goes_on)
 
 void PathLog::shadow_ray_at(Vec3f direction, float t)
 {
-    out_ << "the shadow ray in direction " << direction << " has come to t " << double(t) * scale_.to_world() << '\n';
+    out_ << "the shadow ray in direction " << direction << " meets a surface at t " << double(t) * scale_.to_world() << '\n';
 }
 
 }  // namespace occam::render

@@ -49,7 +49,8 @@ public:
     /// Writes what of a ray's light a surface lets pass.
     /// goes_on   false if the ray ends there, since nothing of its light is left
     void passes(Vec3f transmittance, bool goes_on);
-    /// Writes at which surface a shadow ray has come, after the shadow rays that were traced together.
+    /// Writes at which distance a shadow ray has met a surface. Shadow rays are traced later, several at once; the direction
+    /// says which of them it is.
     void shadow_ray_at(Vec3f direction, float t);
 
 private:

@@ -77,9 +77,9 @@ struct Settings {
     IntegratorKind integrator = IntegratorKind::Path;
     int bounces = 8;  ///< the largest number of scattering events of light; for `direct`, of mirrors one behind the other
     /// If this is above 0, no single contribution of light that was scattered twice or more exceeds it in any channel. The
-    /// limit takes away rare bright pixels (fireflies) and with them some light, so references are made without it. It
-    /// counts what comes to the pixel behind all that the light passes straight on; a ray that does so by chance may bring
-    /// as much as all the rays for which it stands.
+    /// limit takes away rare bright pixels (fireflies) and with them some light, so references are made without it. What
+    /// is limited is the light that is left behind all surfaces and bodies that it passes straight on; a ray that passes
+    /// them by chance may bring as much as all the rays for which it stands.
     float clamp = 0;
     /// The limit above is for the picture as it is shown with automatic exposure (render/display.h), which a sketch at
     /// the beginning of the frame measures (render/exposure_sketch.h): it is divided by two for each stop. It does not

@@ -5,8 +5,8 @@
 // nodes that show them. A renderer borrows the scene for a frame, refits what is dirty before the first tile, and writes
 // nothing else to it.
 //
-// Space    a node's transform is relative to its parent; the root's parent is the world. They are right-handed, with y up by
-//          convention only.
+// Space    a node's transform is relative to its parent; the root's parent is the world, whose axes are right-handed, with
+//          y up by convention only.
 // Threads  one thread edits at a time; an edit while a frame renders is refused with an Error (FrameLock). Public members
 //          are not guarded: change them between frames. Several threads may begin frames of one scene at once.
 // Memory   What a function returns by reference is valid until the next edit. A scene may be moved, but not while it is

@@ -39,10 +39,10 @@ struct PathTolerance {
 
 /// Returns the least number of segments, a power of two, whose chords pass within the tolerance of every recorded key of
 /// the scene, and whose normals are near those of surfaces whose vertices move against each other (kMostTurn); 0 if nothing
-/// has keys. The scene's own number of segments is the most that it returns. The corners of cages'
-/// boxes, and of those that joints move, stand for what is in them. A node's visibility changes at keys of that many
-/// segments as it does at the recorded ones. The scene must be refitted. Of placements in which something moves, the first
-/// kMostPlacementsInAll are looked at, and of those beyond them kMostPlacements of each node.
+/// has keys. The scene's own number of segments is the most that it returns. The corners of cages' boxes, and of
+/// those that joints move, stand for what is in them. A node's visibility changes at keys of that many segments as it does
+/// at the recorded ones. The scene must be refitted. Of placements in which something moves, the first kMostPlacementsInAll
+/// are looked at, and of those beyond them kMostPlacements of each node.
 int needed_segments(const Scene& scene, const PathTolerance& tolerance);
 inline constexpr int kMostPlacements = 64, kMostPlacementsInAll = 1 << 16;
 

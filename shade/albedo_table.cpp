@@ -228,6 +228,8 @@ void AlbedoTable::make(std::size_t r) noexcept
         f90 += weight * double(e.f90);
     }
     means_[r] = {static_cast<float>(f0), static_cast<float>(f90)};
+    constexpr double kNodes = kCosines - 1;
+    lost_[r] = static_cast<float>(4 / (kNodes * kNodes * kNodes * kNodes) * lost_below_[r].back());
     is_made_[r].store(true, std::memory_order_release);
 }
 
@@ -246,17 +248,19 @@ LayerAlbedo AlbedoTable::mean(Row r) const noexcept
 
 float AlbedoTable::lost(Row r) const noexcept
 {
-    constexpr double kNodes = kCosines - 1, kScale = 4 / (kNodes * kNodes * kNodes * kNodes);
     const auto i = static_cast<std::size_t>(r.below);
-    const double below = lost_below_[i].back(), above = lost_below_[i + 1].back();
-    return static_cast<float>(kScale * (below + (above - below) * double(r.share)));
+    return lost_[i] + (lost_[i + 1] - lost_[i]) * r.share;
 }
 
 vfloat AlbedoTable::lost(const RowLanes& r) const noexcept
 {
-    alignas(32) float all[kLanes];
-    for (int i = 0; i < kLanes; ++i) all[i] = lost(r.at(i));
-    return vfloat::load(all);
+    alignas(32) float below[kLanes], above[kLanes];
+    for (int i = 0; i < kLanes; ++i) {
+        below[i] = lost_[r.below[i]];
+        above[i] = lost_[r.below[i] + 1];
+    }
+    const vfloat from = vfloat::load(below);
+    return from + (vfloat::load(above) - from) * r.share;
 }
 
 float AlbedoTable::draw_lost(float number, Row r) const noexcept

@@ -6,8 +6,8 @@
 // given back as a lobe (Kulla and Conty 2017), and the base receives what the layer does not reflect. Directions of that
 // lobe are drawn by its own shape, since that of a narrow layer lies close to the horizon.
 //
-// Memory   two tables of 64 x 48 floats, and one of as many doubles. A row, of one roughness, is made once per
-//          process on first use (some 0.2 ms), and read only from then on.
+// Memory   two tables of 64 x 48 floats, and one of as many doubles. A row, of one roughness, is made once per process on
+//          first use (some 0.2 ms), and read only from then on.
 // Threads  any.
 #pragma once
 
@@ -83,6 +83,7 @@ private:
 
     std::array<std::array<LayerAlbedo, kCosines>, kRoughnesses> rows_;
     std::array<LayerAlbedo, kRoughnesses> means_;
+    std::array<float, kRoughnesses> lost_;  ///< of each row, what lost() returns
     /// Of each row and node, the integral of what the albedo lacks, times y cubed, over y from 0 to the node's number. The
     /// cosine is the square of y / (kCosines - 1), so that this is in proportion to the light that is lost below the node.
     std::array<std::array<double, kCosines>, kRoughnesses> lost_below_;

@@ -145,9 +145,9 @@ public:
         return place(row, column);
     }
     // Decides the chances, once all is divided: from a part with more than a certain share of all light a light is drawn for
-    // sure, and from others in proportion. That share is half of what one draw
-    // stands for, or all of it if half would lead to too many draws. If the others have few chances then, since light that
-    // may be hidden outshines them by far, they get some of what is left.
+    // sure, and from others in proportion. That share is half of what one draw stands for, or all of it if half would lead
+    // to too many draws. If the others have few chances then, since light that may be hidden outshines them by far, they
+    // get some of what is left.
     void finish() noexcept
     {
         float all = kLeastPower;

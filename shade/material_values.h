@@ -2,9 +2,9 @@
 // factors applied.
 //
 // Djeu et al. 2011, sec. 5.3. Every value is linear in the texels of each map, so values that are made at grid vertices
-// and interpolated to a hit equal what the interpolated texels would give, but where two maps multiply: there they are
-// close. Colours that alpha covers in part are interpolated with it as their weight. None of the values depends on where the
-// surface is, which may move while the shutter is open. Colours are linear Rec.709.
+// and interpolated to a hit equal what the interpolated texels would give, except where two maps are multiplied: there they
+// are close to it. Colours that alpha covers in part are interpolated with it as their weight. None of the values depends on
+// where the surface is, which may move while the shutter is open. Colours are linear Rec.709.
 #pragma once
 
 #include "io/texture/texture_store.h"

@@ -1,6 +1,6 @@
 // The placed lights of a frame, with the tree over them. All of it is a function of the lights and, where some are very far
-// away, of about where the scene is (LightTree::origin_for()). So a renderer keeps it, and a frame whose
-// lights are those of the frame before makes neither a list nor a tree.
+// away, of about where the scene is (LightTree::origin_for()). So a renderer keeps it, and a frame whose lights are those of
+// the frame before makes neither a list nor a tree.
 //
 // Space    world axes, frame lengths (scenegraph/frame_scale.h).
 // Memory   with a tree, about 300 bytes a light, until a frame has other lights.

@@ -76,8 +76,8 @@ constexpr float kLeastLift = 0.25f;
 // Returns the shading normal, tilted towards the eye as far as it takes for a mirror to reflect the eye's ray to above
 // the facet. Rays that a normal map, or the interpolation over a coarse mesh, sends below it would be lost, and leave
 // black rings on metals (Keller et al. 2017). A normal that turns away from the eye is tilted as one across the eye's ray
-// is. So the normal is on the side of the eye, and on that of the facet: where the eye is so low that rounding may turn
-// away the normal between the two directions, which are nearly opposite, the facet's is taken.
+// is. So the normal is on the side of the eye, and on that of the facet. It lies between the eye and the lifted direction:
+// where the eye is so low that these are nearly opposite, and rounding may turn the normal away, the facet's is taken.
 Vec3f reflecting_normal(Vec3f normal, const ShadePoint& p) noexcept
 {
     const Vec3f facet = p.normal_geometric;

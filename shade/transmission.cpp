@@ -76,7 +76,7 @@ Vec3f pane_transmission(const Surface& s, Vec3f to_light) noexcept
     const Vec3f h = glm::normalize(s.to_eye + turned(to_light, s.normal));
     const Vec3f across = glm::cross(s.normal, h);
     const float n_v = eye_cosine(s.normal, s.to_eye), n_h = glm::dot(s.normal, h);
-    if (!(n_h > 0)) return Vec3f(0);  // pane_density() draws none of these
+    if (!(n_h > 0)) return Vec3f(0);  // no such direction is drawn: pane_density() is 0
     const float reflected = s.dielectric_f0 + (s.dielectric_f90 - s.dielectric_f0) * schlick(glm::dot(s.to_eye, h));
     return s.transmission *
            ((1 - reflected) * ggx_density(n_h, glm::dot(across, across), s.alpha) * ggx_visibility(n_l, n_v, s.alpha) * n_l);

@@ -8,14 +8,14 @@
 
 namespace occam::import {
 
-/// Keeps the positions of a file in double precision, as long as floats may lose much of the shape: that is where they are
-/// rounded by more than a 2^20th of its largest side. Those of most files are forgotten after a few of them.
+/// Keeps the positions of a file in double precision as long as floats may lose much of the shape, which means that they
+/// round positions by more than a 2^20th of its largest side. Those of most files are forgotten after a few of them.
 class FarPositions {
 public:
     bool needs_more() const noexcept { return is_kept_; }
     /// Adds the next position; one that is not finite, or that is left out for its size, does not count.
     void add(Vec3d position);
-    /// Says that not all positions are known, so that they are not needed.
+    /// Forgets the positions, because floats are enough or because not all of them are known.
     void drop() noexcept { is_kept_ = false, all_.clear(); }
 
     bool loses_shape() const noexcept;

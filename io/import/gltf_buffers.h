@@ -1,4 +1,4 @@
-// Buffers of a glTF: what they are read from, and those that have one file.
+// Buffers of a glTF: what they are read from, and how those of one file become one.
 #pragma once
 
 #include <cstddef>

@@ -17,8 +17,8 @@ inline constexpr const char* kIndicesAttribute = "<indices>";
 
 /// Holds a document that has passed validation.
 struct CheckedGltf {
-    /// The document as tinygltf reads it rightly: with names of ours for the buffers, of which each file has one, without
-    /// whole numbers that it would cut to 32 bits, and with kIndicesAttribute.
+    /// The document, changed so that tinygltf reads it rightly: each file has one buffer, whose URI is a name of ours, whole
+    /// numbers that would be cut to 32 bits have a point, and kIndicesAttribute stands for some indices.
     std::string json;
     std::map<std::string, BufferSource> buffers;  ///< by these names
 };

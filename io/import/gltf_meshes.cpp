@@ -179,7 +179,7 @@ std::vector<Cage> MeshImporter::joined(std::vector<Cage> parts, const std::strin
     constexpr std::size_t kMostSlots = 0xffff;
     std::vector<Cage> whole, skinned;
     if (parts.size() > kMostSlots) {
-        report_.warn("of a mesh of more than 65535 primitives each is subdivided by itself", where);
+        report_.warn("a mesh has more than 65535 primitives: each is subdivided by itself", where);
         whole = std::move(parts);
     } else {
         const auto is_skinned = [](const Cage& part) { return part.skin.sets > 0; };

@@ -72,8 +72,8 @@ bool apply_tag(const Tag& tag, Cage& cage)
 }
 
 // Holds the colours that some programs write after a vertex's position: sRGB from 0 to 1. A vertex that lacks them is
-// white, be it before the first that has them or after it. But after a vertex of four numbers, the last of
-// which is a weight, none has colours.
+// white, be it before the first that has them or after it. A vertex of four numbers before any colour ends with a weight,
+// and then no vertex has colours.
 class VertexColors {
 public:
     explicit VertexColors(std::vector<Vec4f>& colors) : colors_(colors) {}
@@ -266,7 +266,7 @@ ObjStatements scan_obj_statements(std::string& text, Cage& cage, Report& report)
             report.warn("statement '" + std::string(keyword.substr(0, 32)) + "' is not read", where());
         }
     }
-    if (!colors.are_in_range) report.warn("vertex colours are not between 0 and 1", "");
+    if (!colors.are_in_range) report.warn("colours are not between 0 and 1, and become the nearest that are", "");
     found.smoothing = smoothing.take();
     return found;
 }

@@ -54,7 +54,7 @@ public:
     }
     std::size_t size() const { return ring_.size(); }
     const std::vector<std::uint32_t>& corners() const { return ring_; }
-    /// Whether a corner was taken that is no ear, or the three corners that are left run the wrong way round.
+    /// Returns whether a corner was taken that is no ear, or the three corners that are left run the wrong way round.
     bool crosses_itself() const { return has_forced_ || turn_at(1) < 0; }
 
     // Finds what to cut off next: a corner where the polygon goes back to where it came from, the first ear, or where there

@@ -133,7 +133,7 @@ Scene load_stl(const std::filesystem::path& file, const LoadOptions& options)
     const std::string bytes = read_file(file);
     Polygons polygons = is_binary(bytes, report) ? read_binary(bytes, report) : read_ascii(without_mark(bytes), report);
     if (polygons.cage.positions.size() > 0x7fffffff) throw Error(report.name(), "more than 2^31 vertices");
-    place_far(polygons);
+    place_far(polygons);  // first, since weld() joins what floats round alike
     weld(polygons.cage);
     return scene_of(std::move(polygons), options, report);
 }

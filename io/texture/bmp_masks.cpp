@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <span>
+#include <utility>
 
 namespace occam {
 
@@ -11,28 +12,21 @@ namespace {
 constexpr BmpMasks kUsualMasks = {0x00ff0000, 0x0000ff00, 0x000000ff, 0xff000000};
 constexpr std::size_t kBmpPixelsAt = 10, kBmpHeaderAt = 14, kBmpBitsAt = 28, kBmpCompressionAt = 30, kBmpMasksAt = 54;
 
-std::uint32_t little_endian_of(ImageBytes& bytes, std::uintmax_t at, std::size_t count)
-{
-    std::array<unsigned char, 4> word{};
-    bytes.read(at, std::span(word).first(count));
-    return word[0] | std::uint32_t(word[1]) << 8 | std::uint32_t(word[2]) << 16 | std::uint32_t(word[3]) << 24;
-}
-
 }  // namespace
 
 std::optional<BmpMasks> masks_of_bmp(ImageBytes& bytes)
 {
     constexpr std::uint32_t kOldestHeader = 12, kHeaderWithAlpha = 56, kByMasks = 3, kByMasksWithAlpha = 6, kMark = 0x4d42;
-    const std::uint32_t header = little_endian_of(bytes, kBmpHeaderAt, 4),
-                        compression = little_endian_of(bytes, kBmpCompressionAt, 4);
-    if (little_endian_of(bytes, 0, 2) != kMark || header == kOldestHeader || little_endian_of(bytes, kBmpBitsAt, 2) != 32)
+    const std::uint32_t header = little_endian(bytes, kBmpHeaderAt, 4),
+                        compression = little_endian(bytes, kBmpCompressionAt, 4);
+    if (little_endian(bytes, 0, 2) != kMark || header == kOldestHeader || little_endian(bytes, kBmpBitsAt, 2) != 32)
         return std::nullopt;
     BmpMasks masks = kUsualMasks;
     const bool is_by_masks = compression == kByMasks || compression == kByMasksWithAlpha;
     if (is_by_masks)
-        for (std::size_t k = 0; k < 3; ++k) masks[k] = little_endian_of(bytes, kBmpMasksAt + 4 * k, 4);
+        for (std::size_t k = 0; k < 3; ++k) masks[k] = little_endian(bytes, kBmpMasksAt + 4 * k, 4);
     const bool may_have_alpha = is_by_masks && (header >= kHeaderWithAlpha || compression == kByMasksWithAlpha);
-    masks[3] = may_have_alpha ? little_endian_of(bytes, kBmpMasksAt + 12, 4) : 0;
+    masks[3] = may_have_alpha ? little_endian(bytes, kBmpMasksAt + 12, 4) : 0;
     return masks;
 }
 
@@ -55,13 +49,10 @@ bool are_bytes(const BmpMasks& masks) noexcept
 
 void put_in_usual_order(std::vector<std::byte>& file, const BmpMasks& masks)
 {
-    const auto at = [&](std::size_t place) { return std::to_integer<std::size_t>(file[place]); };
     if (file.size() < kBmpMasksAt) return;
-    std::size_t pixel = at(kBmpPixelsAt) | at(kBmpPixelsAt + 1) << 8 | at(kBmpPixelsAt + 2) << 16 |
-                        at(kBmpPixelsAt + 3) << 24;
-    const std::size_t header = at(kBmpHeaderAt) | at(kBmpHeaderAt + 1) << 8 | at(kBmpHeaderAt + 2) << 16 |
-                               at(kBmpHeaderAt + 3) << 24;
-    if (pixel < kBmpHeaderAt + header) return;  // what was read of the head stays as it is
+    ImageBytes bytes(std::span(std::as_const(file)));
+    std::size_t pixel = little_endian(bytes, kBmpPixelsAt, 4);
+    if (pixel < kBmpHeaderAt + std::size_t(little_endian(bytes, kBmpHeaderAt, 4))) return;  // the head is not changed
     std::array<std::size_t, 4> to{}, from{};
     for (std::size_t k = 0; k < 4; ++k) {
         to[k] = static_cast<std::size_t>(std::countr_zero(kUsualMasks[k])) / 8;

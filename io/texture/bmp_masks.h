@@ -12,7 +12,8 @@
 
 namespace occam {
 
-/// The masks of red, green, blue and alpha, as the bytes of a pixel give a number, the lowest first; 0: there is none.
+/// The masks of red, green, blue and alpha in the number that the bytes of a pixel make, the lowest first; 0 where there is
+/// none.
 using BmpMasks = std::array<std::uint32_t, 4>;
 
 /// Returns the masks of a BMP of 32 bits; the usual ones, without alpha, if it has none. Returns nothing for other files.

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
+#include <map>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/error.h"
 #include "base/srgb.h"
@@ -35,6 +36,7 @@ struct ChannelPlaces {
     int color[3] = {0, 0, 0}, alpha = -1;
 
     int count() const { return 1 + std::max({color[0], color[1], color[2], alpha}); }
+    std::ptrdiff_t missing() const { return std::count(color, color + 3, -1); }
 };
 
 // The name of a channel of an OpenEXR file: that of its layer, if it has one, and after the last point its own.
@@ -47,33 +49,23 @@ struct ChannelName {
     std::string_view layer, own;
 };
 
-// Returns the places that the letters of a set have among the channels of a layer.
-ChannelPlaces places_in_layer(const PictureSpec& spec, std::string_view layer, std::string_view letters)
-{
-    ChannelPlaces places;
-    std::fill_n(places.color, 3, -1);
-    for (int c = 0; c < spec.channel_count(); ++c) {
-        const ChannelName name(spec.channels[static_cast<std::size_t>(c)]);
-        if (name.layer != layer || name.own.size() != 1) continue;
-        const std::size_t known = letters.find(name.own);
-        if (known != std::string_view::npos && places.color[known] < 0) places.color[known] = c;
-    }
-    return places;
-}
-
-// Returns those of the layer that has the most of the letters: of several the one without a name, or else the first.
+// Returns the places that the letters of a set have in the layer that has the most of them: of several the one without a
+// name, or else the first. A file may have very many layers, so the channels are looked at once.
 ChannelPlaces places_by_name(const PictureSpec& spec, std::string_view letters)
 {
-    const auto missing = [](const ChannelPlaces& places) { return std::count(places.color, places.color + 3, -1); };
-    ChannelPlaces best = places_in_layer(spec, {}, letters);
-    std::set<std::string_view> known{{}};
-    for (const std::string& channel : spec.channels) {
-        const std::string_view layer = ChannelName(channel).layer;
-        if (missing(best) == 0 || !known.insert(layer).second) continue;
-        const ChannelPlaces places = places_in_layer(spec, layer, letters);
-        if (missing(places) < missing(best)) best = places;
+    std::vector<ChannelPlaces> layers{{{-1, -1, -1}, -1}};
+    std::map<std::string_view, std::size_t> number_of;
+    number_of.emplace(std::string_view(), 0);
+    for (int c = 0; c < spec.channel_count(); ++c) {
+        const ChannelName name(spec.channels[static_cast<std::size_t>(c)]);
+        const auto [known, is_new] = number_of.try_emplace(name.layer, layers.size());
+        if (is_new) layers.push_back({{-1, -1, -1}, -1});
+        const std::size_t letter = name.own.size() == 1 ? letters.find(name.own) : std::string_view::npos;
+        if (letter == std::string_view::npos) continue;
+        int& place = layers[known->second].color[letter];
+        if (place < 0) place = c;
     }
-    return best;
+    return *std::ranges::min_element(layers, {}, &ChannelPlaces::missing);
 }
 
 // Returns the place of the alpha of a layer: its own, or else that of the file as a whole, whose name has no layer.
@@ -97,8 +89,7 @@ ChannelPlaces places_in_exr(const PictureSpec& spec)
     const auto layer_of = [&](int channel) { return ChannelName(spec.channels[static_cast<std::size_t>(channel)]).layer; };
     for (const std::string_view letters : {"RGB", "XYZ"}) {
         ChannelPlaces places = places_by_name(spec, letters);
-        const auto missing = std::count(places.color, places.color + 3, -1);
-        if (missing > (letters == "RGB" ? 1 : 0)) continue;
+        if (places.missing() > (letters == "RGB" ? 1 : 0)) continue;
         places.alpha = alpha_of_layer(spec, layer_of(std::max(places.color[0], places.color[1])));
         return places;
     }
@@ -270,7 +261,7 @@ bool TextureSource::has_texels_of_another_role() const noexcept { return state_-
 
 MipImage TextureSource::decode(int halvings, bool multiplies_by_alpha) const
 {
-    constexpr int kValuesAtOnce = 256;  // as many of a column
+    constexpr int kValuesAtOnce = 256;  // of a column: images of many channels are read in fewer rows
     const State& s = *state_;
     MipImage image(std::max(1, width() >> halvings), std::max(1, height() >> halvings));
     const bool swaps_axes = s.image.orientation.swaps_axes;

@@ -7,6 +7,13 @@
 
 namespace occam {
 
+std::uint32_t little_endian(ImageBytes& bytes, std::uintmax_t at, std::size_t count)
+{
+    std::array<unsigned char, 4> word{};
+    bytes.read(at, std::span(word).first(count));
+    return word[0] | std::uint32_t(word[1]) << 8 | std::uint32_t(word[2]) << 16 | std::uint32_t(word[3]) << 24;
+}
+
 namespace {
 
 bool matches(ImageBytes& bytes, std::string_view magic, std::uintmax_t at = 0)
@@ -17,14 +24,6 @@ bool matches(ImageBytes& bytes, std::string_view magic, std::uintmax_t at = 0)
 }
 
 constexpr std::uint32_t kOldestBmpHeader = 12;  // its size; it knows no compression
-
-// Returns an integer of `count` bytes, the lowest first; bytes beyond the end count as 0.
-std::uint32_t little_endian(ImageBytes& bytes, std::uintmax_t at, std::size_t count)
-{
-    std::array<unsigned char, 4> word{};
-    bytes.read(at, std::span(word).first(count));
-    return word[0] | std::uint32_t(word[1]) << 8 | std::uint32_t(word[2]) << 16 | std::uint32_t(word[3]) << 24;
-}
 
 // Moves `at` behind a name that ends with a null, and returns its length, or nothing if it is not whole.
 std::optional<std::size_t> skip_name(ImageBytes& bytes, std::uintmax_t& at)
@@ -224,12 +223,11 @@ bool has_no_alpha_tga(ImageBytes& bytes)
 
 bool has_two_colors_dds(ImageBytes& bytes)
 {
-    constexpr std::uint32_t kFourCharacters = 0x4, kFirstBc5 = 82, kLastBc5 = 84;
+    constexpr std::uint32_t kFourCharacters = 0x4, kBc5 = 83;
     constexpr std::uintmax_t kName = 84, kFormat = 128;
     if (!matches(bytes, "DDS ") || !(little_endian(bytes, 80, 4) & kFourCharacters)) return false;
     if (matches(bytes, "ATI2", kName) || matches(bytes, "BC5U", kName)) return true;
-    const std::uint32_t format = little_endian(bytes, kFormat, 4);
-    return matches(bytes, "DX10", kName) && format >= kFirstBc5 && format <= kLastBc5;
+    return matches(bytes, "DX10", kName) && little_endian(bytes, kFormat, 4) == kBc5;
 }
 
 std::optional<std::size_t> place_of_multiplied_dds(ImageBytes& bytes)

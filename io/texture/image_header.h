@@ -28,6 +28,9 @@ private:
     std::uintmax_t size_ = 0, next_ = 0;  // the stream is at `next_`; seeking drops the bytes that it has read ahead
 };
 
+/// Returns an integer of `count` bytes, at most four, the lowest first; bytes beyond the end count as 0.
+std::uint32_t little_endian(ImageBytes& bytes, std::uintmax_t at, std::size_t count);
+
 /// Returns the name of the codec's reader according to the first bytes of the file; empty if images of its format are not
 /// read. A TGA has no mark: its header has to make sense.
 std::string image_format(ImageBytes& bytes);

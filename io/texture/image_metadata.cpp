@@ -163,7 +163,7 @@ public:
 
 private:
     static constexpr std::size_t kByte = 1, kShort = 3, kLong = 4;  // types of values
-    static constexpr std::size_t kNothing = 0x10000;                // what no number of 16 bits is
+    static constexpr std::size_t kNothing = 0x10000;                // larger than any number of 16 bits
 
     std::size_t word() const { return is_big_ ? 8 : 4; }  // the size of a place in the file and of a count of values
     std::size_t head() const { return is_big_ ? 8 : 4; }  // where the head says where the directory is
@@ -191,7 +191,7 @@ private:
         put(to, at + 4, 1, word());
         put(to, value_of(at), value, 2);
     }
-    // The numbers of 16 bits that are the value of a tag.
+    // Says where the numbers of 16 bits are that are the value of a tag, and how many there are.
     struct Shorts {
         std::size_t at = 0, count = 0;
     };

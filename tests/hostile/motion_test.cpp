@@ -211,7 +211,8 @@ double seen_part(const Image& image)
 // Each of these motions makes a picture of finite numbers, within the memory of a small scene.
 TEST(HostileMotion, MakesAPictureOfFiniteNumbers)
 {
-    // By default each motion is tested with one number of segments, in turns, but for one that only several segments have.
+    // By default each motion is tested with one number of segments, in turns. "teleports" needs several, so it is
+    // tested with both.
     int usual = 4;
     for (const HostileMove& motion : hostile_moves()) {
         usual = 5 - usual;

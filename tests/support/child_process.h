@@ -19,8 +19,8 @@ const char* occam_executable();
 /// Returns the path of the same executable whose allocations can fail (tests/faults/fail_by_environment.cpp).
 const char* failing_executable();
 
-/// Makes SIGHUP, SIGINT and SIGTERM end a new process, even where the tests were started to ignore them, as scripts do it in
-/// the background.
+/// Makes SIGHUP, SIGINT and SIGTERM end a new process, even if the tests themselves were started with these signals
+/// ignored, as a script starts its background jobs.
 void end_by_signals() noexcept;
 
 /// Runs the executable to its end, or for `limit_s` seconds. Throws std::runtime_error if it cannot be started.

@@ -18,7 +18,8 @@ inline std::size_t resident_bytes()
     return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
-/// Returns whether that tells how much was allocated: the sanitizers have allocators of their own, which keep what is freed.
+/// Returns whether resident_bytes() tells how much was allocated: the sanitizers have allocators of their own, which keep
+/// what is freed.
 inline bool can_measure_memory() { return !kIsSanitized && resident_bytes() > 0; }
 
 }  // namespace occam::test

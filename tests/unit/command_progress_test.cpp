@@ -95,7 +95,7 @@ TEST_F(CommandProgress, ARenderFarmLearnsWhyAPictureWasNotMade)
     }
 }
 
-// Of a pipeline such as `| head -1`, whose last part has ended. What is made is in files.
+// The last part of a pipeline, such as head in `| head -1`, may end first. What is made is in files.
 TEST_F(CommandProgress, AReaderWhoHasGoneAwayLosesNoPicture)
 {
     const std::vector<std::string> small{"--size", "8x4", "--spp", "1"};

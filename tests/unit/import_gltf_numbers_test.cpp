@@ -1,7 +1,6 @@
 // Tests of how numbers are written in glTF files: with or without a point, and larger than 32 bits hold.
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>

@@ -84,7 +84,7 @@ TEST(OneLevel, IsTheFinestThatAPlacementNeedsAtAnyMoment)
         {"the eye overtakes the cage", {{-60, 2, 4}, {90, 2, 4}}, {{0, 0, 0}, {20, 0, 0}, {40, 0, 0}}},
         {"they meet", {{-60, 0, 4}, {0, 0, 4}, {10, 0, 4}, {60, 0, 4}}, {{70, 0, 0}, {-50, 0, 0}}},
     };
-    constexpr int kMoments = 480;  // with all keys of all flights
+    constexpr int kMoments = 480;  // a multiple of all numbers of segments, so that each key is one
     OneLevel one;
     int differing = 0;
     for (const Flight& flight : flights) {

@@ -50,9 +50,9 @@ TEST(AmbientOcclusion, IsTakenByTheBodyInWhichTheEyeIs)
         stage.put(triangle_box(), body_of(1));
         stage.settings.integrator = IntegratorKind::Ao;
         stage.settings.spp = 64;
-        stage.settings.ao_distance = 0.25f;
+        stage.settings.ao_distance = 0.25f;  // all rays stay in the body
         const Vec3f seen = stage.seen(Camera::look_at({0, eye, 0}, {0, 0, 0}, {0, 0, -1}, 0.05f));
-        expect_close(seen, left_after((eye > 1 ? 1.5 : 0.7) + 0.25), 0.01);
+        expect_close(seen, left_after((eye > 1 ? 1.5 : 0.7) + 0.25), 1e-3);
     }
 }
 
@@ -78,19 +78,6 @@ TEST(AmbientOcclusion, IsTakenByBodiesAndOpaquePanes)
     sheet.base_color.w = 0.5f;
     expect_close(floor_under(sheet, 0.6, kFar), Vec3f(0.5f), 0.02);
     expect_close(floor_under(sheet, kNear, kFar), Vec3f(0.75f), 0.02);
-}
-
-// The inside of a body is as far as the sky for a ray that ends in it.
-TEST(AmbientOcclusion, IsTakenWhereABodySurroundsTheFloor)
-{
-    BodyStage stage;
-    stage.put(level_square(1), matte_of(1), {0, -0.5, 0});
-    stage.put(triangle_box(), body_of(1));
-    stage.settings.integrator = IntegratorKind::Ao;
-    stage.settings.spp = 64;
-    stage.settings.ao_distance = 0.25f;  // all rays stay in the body
-    const Vec3f seen = stage.seen(Camera::look_at({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 0.05f));
-    expect_close(seen, left_after(1.5 + 0.25), 1e-3);
 }
 
 }  // namespace

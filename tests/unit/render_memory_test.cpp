@@ -1,16 +1,13 @@
 // Tests of memory budgets down to the least one, and of trees that workers share: what they may use, and that the picture is
 // always the same.
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <fstream>
 
 #include "accel/memory_floor.h"
 #include "base/arena.h"
 #include "lod/vertex_shader.h"
 #include "occam/occam.h"
 #include "render/memory_plan.h"
-#include "tests/support/campaign.h"
+#include "tests/support/resident_memory.h"
 #include "tests/support/shape_builders.h"
 #include "tests/support/textured_floor.h"
 
@@ -293,19 +290,10 @@ TEST(Memory, TheFloorHoldsTheLongestWayDownWhetherTheSceneIsRefittedOrNot)
     EXPECT_EQ(floor(), shown);
 }
 
-// Returns the memory that the process holds, in KB; 0 if the system does not say.
-long resident_kilobytes()
-{
-    std::ifstream status("/proc/self/statm");
-    long all = 0, resident = 0;
-    status >> all >> resident;
-    return resident * (sysconf(_SC_PAGESIZE) / 1024);
-}
-
 // A game makes hundreds of thousands of frames in one process. Each of them had left 7 to 8 KB behind, 4 MB in this test.
 TEST(RenderMemory, FramesLeaveNothingBehind)
 {
-    if (test::kIsSanitized) GTEST_SKIP() << "a sanitizer keeps what is freed";
+    if (!test::can_measure_memory()) GTEST_SKIP() << "sanitizers have allocators of their own, or there is no /proc";
     Scene scene;
     place(scene, scene.add(prism(4)), {0, 0, 0}, 1);
     const Camera camera = Camera::look_at({0, 2, 6}, {0, 0, 0}, {0, 1, 0}, 0.9f);
@@ -314,10 +302,9 @@ TEST(RenderMemory, FramesLeaveNothingBehind)
         for (int i = 0; i < frames; ++i) renderer.render(scene, camera, {.width = 16, .height = 12, .spp = 1});
     };
     make(50);
-    const long before = resident_kilobytes();
-    if (before == 0) GTEST_SKIP() << "there is no /proc here";
+    const std::size_t before = test::resident_bytes();
     make(250);
-    EXPECT_LT(resident_kilobytes() - before, 1000);
+    EXPECT_LT(test::resident_bytes(), before + (std::size_t(1000) << 10));
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -57,6 +56,7 @@ Decoded decoded(const std::string& name, const std::string& bytes, TextureRole r
     return result;
 }
 
+// Values are bytes, so the tolerance is less than half a step of them.
 void expect_near(Vec4f found, Vec4f wanted)
 {
     for (int k = 0; k < 4; ++k) EXPECT_NEAR(found[k], wanted[k], 1.0f / 512) << k;

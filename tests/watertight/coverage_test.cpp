@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "tests/support/creased_cages.h"
 #include "tests/support/shape_builders.h"
