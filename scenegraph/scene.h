@@ -364,6 +364,8 @@ public:
     };
 
 private:
+    friend CageId add_with_foreign_texture(Scene& scene, Cage cage);  // for verify/ (scenegraph/foreign_texture.h)
+
     struct State;
     std::shared_ptr<State> state_;  ///< of this scene alone, but for record_shutter() while it runs
 };

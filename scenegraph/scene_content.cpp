@@ -1,10 +1,11 @@
-// Adds, replaces and removes the objects that the nodes of a scene refer to: cages, materials, textures, lights, cameras,
-// clips.
+// Adds, replaces and removes what the nodes of a scene refer to: cages, materials, textures, lights, cameras and clips.
+#include <algorithm>
 #include <atomic>
 #include <unordered_map>
 
 #include "base/error_without_file.h"
 #include "scenegraph/content_rules.h"
+#include "scenegraph/foreign_texture.h"
 #include "scenegraph/large_parts.h"
 #include "scenegraph/poles.h"
 #include "scenegraph/scene_state.h"
@@ -24,13 +25,6 @@ std::string named(const char* kind, const std::string& name, Handle<Tag> id)
 Error is_used(const std::string& what, const std::string& user)
 {
     return error_without_file(what + " cannot be removed, because " + user + " uses it");
-}
-
-std::uint32_t largest_face(const Cage& cage)
-{
-    std::uint32_t corners = 4;
-    for (const std::uint32_t size : cage.face_sizes) corners = std::max(corners, size);
-    return corners;
 }
 
 /// Repairs a cage. Returns the lines of sanitize(), each with the cage's name.
@@ -107,6 +101,7 @@ void Scene::State::check_handles(const Cage& cage) const
 {
     for (const MaterialId material : cage.materials)
         if (material) at(materials, material, "material");
+    if (cage.displacement && cage.displacement->texture) at(textures, cage.displacement->texture.texture, "texture");
 }
 
 void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::string>& warnings)
@@ -114,7 +109,8 @@ void Scene::State::make_record(Cage cage, CageRecord& record, std::vector<std::s
     check(cage);
     for (std::string& line : repairs_of(cage)) warnings.push_back(std::move(line));
     record.cage = std::move(cage);
-    record.largest_face = largest_face(record.cage);
+    record.largest_face = 4;
+    for (const std::uint32_t size : record.cage.face_sizes) record.largest_face = std::max(record.largest_face, size);
     record.derived_points = most_derived_points(record.cage);
     record.unused_vertices = find_unused_vertices(record.cage);
     record.identity = next_identity();
@@ -126,13 +122,18 @@ CageId Scene::add(Cage cage)
 {
     state_->require_editable();
     state_->check_handles(cage);
-    Rollback warned([&, count = warnings.size()] { warnings.resize(count); });
-    State::CageRecord record;
-    State::make_record(std::move(cage), record, warnings);
-    const CageId id = state_->cages.add(std::move(record));
-    Rollback added([&] { state_->cages.remove(id); });
-    state_->take_contents(id, *state_->cages.find(id));
-    state_->count_faces(*state_->cages.find(id), 1);
+    return add_with_foreign_texture(*this, std::move(cage));
+}
+CageId add_with_foreign_texture(Scene& scene, Cage cage)
+{
+    Scene::State& s = *scene.state_;
+    Rollback warned([&, count = scene.warnings.size()] { scene.warnings.resize(count); });
+    Scene::State::CageRecord record;
+    Scene::State::make_record(std::move(cage), record, scene.warnings);
+    const CageId id = s.cages.add(std::move(record));
+    Rollback added([&] { s.cages.remove(id); });
+    s.take_contents(id, *s.cages.find(id));
+    s.count_faces(*s.cages.find(id), 1);
     warned.keep();
     added.keep();
     return id;
@@ -345,7 +346,6 @@ const CageSlot* Scene::find(CageId id) const noexcept { return state_->cages.fin
 const Material* Scene::find(MaterialId id) const noexcept { return state_->materials.find(id); }
 const Texture* Scene::find(TextureId id) const noexcept { return share(id).get(); }
 const Light* Scene::find(LightId id) const noexcept { return state_->lights.find(id); }
-
 const std::vector<ClipId>& Scene::clips() const noexcept { return state_->clip_order; }
 
 std::vector<TextureId> Scene::texture_ids() const

@@ -264,7 +264,7 @@ struct Scene::State {
         return at(const_cast<SceneTable<T, Tag>&>(map), id, kind);
     }
 
-    // Each throws Error for a handle of another scene, but not for the texture that displaces a cage (verify/subject.h).
+    // Each throws Error for a dead handle and for one of another scene.
     void check_handles(const Material& material) const;
     void check_handles(const Cage& cage) const;
 

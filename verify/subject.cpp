@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenegraph/foreign_texture.h"
+
 namespace occam {
 
 Cage without_materials(Cage cage)
@@ -40,7 +42,7 @@ Subject::Subject(const ShownCage& shown, const TextureStore* textures, std::size
 // Adds the cage and its node, with joints below the root wherever they are in the other scene, and records their motion.
 void Subject::add(const ShownCage& shown)
 {
-    cage_ = scene_.add(without_materials(shown.slot.cage));
+    cage_ = add_with_foreign_texture(scene_, without_materials(shown.slot.cage));
     const auto matrix_at = [&](std::size_t key) {
         return shown.world_from_object.size() > 1 ? shown.world_from_object[key] : shown.world_from_object[0];
     };

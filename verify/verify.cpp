@@ -6,6 +6,7 @@
 
 #include "accel/placement.h"
 #include "base/error_without_file.h"
+#include "scenegraph/foreign_texture.h"
 #include "verify/closed.h"
 #include "verify/escape_test.h"
 #include "verify/ray_line.h"
@@ -91,7 +92,7 @@ VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const Veri
 {
     check(settings);
     Scene scene;  // which drops what is no face
-    const CageSlot& slot = scene.cage(scene.add(without_materials(cage)));
+    const CageSlot& slot = scene.cage(add_with_foreign_texture(scene, without_materials(cage)));
     const ShownCage shown{slot, nullptr, nullptr, {&world_from_object, 1}, 0};
     VerifiedCage report = report_of(shown);
     if (report.not_testable.empty()) test_each_size(shown, settings, textures, report);

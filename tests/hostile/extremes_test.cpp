@@ -7,6 +7,7 @@
 
 #include "base/hash.h"
 #include "occam/occam.h"
+#include "scenegraph/foreign_texture.h"
 #include "tests/support/campaign.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/shape_builders.h"
@@ -300,7 +301,7 @@ TEST(Extremes, LightsEmittersAndDisplacedCagesBeyondCountingAreRefused)
             cage.materials = {scene.add(glow)};
             desc.cages = {scene.add(std::move(cage))};
         }
-        if (what == 2) desc.cages = {scene.add(displaced_case(0).cage)};
+        if (what == 2) desc.cages = {add_with_foreign_texture(scene, displaced_case(0).cage)};
         scene.add_node(scene.root(), {.instance_of = doubled(scene, desc, 60, 8)});
         place(scene, scene.add(torus()), Vec3d(0));
         EXPECT_NE(refusal(scene).find("placed more than"), std::string::npos) << what << ": " << refusal(scene);

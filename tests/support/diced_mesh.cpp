@@ -7,13 +7,14 @@
 
 #include "lod/pose_cage.h"
 #include "lod/posed_patch.h"
+#include "scenegraph/foreign_texture.h"
 
 namespace occam::test {
 
 DicedCage::DicedCage(const Cage& cage, int level, const Mat4d& world_from_object, const TextureStore* textures,
                      std::span<const Mat4d> joints)
 {
-    const CageId id = scene_.add(cage);
+    const CageId id = add_with_foreign_texture(scene_, cage);
     NodeDesc desc{.matrix = world_from_object, .cages = {id}};
     Skin skin;
     for (const Mat4d& joint : joints) skin.joints.push_back(scene_.add_node(scene_.root(), {.matrix = joint}));

@@ -205,6 +205,30 @@ TEST(Api, AnEnvironmentOfAnotherSceneIsRefused)
     EXPECT_NO_THROW(renderer.render(ball.scene, kBefore, {.width = 4, .height = 4}));
 }
 
+// It would otherwise displace as a white one does.
+TEST(Api, ADisplacementByADeadOrForeignTextureIsRefused)
+{
+    Scene scene, other;
+    Texture texture;
+    texture.pixels = {Vec4f(0)};
+    texture.width = texture.height = 1;
+    const TextureId own = scene.add(texture), removed = scene.add(texture), foreign = other.add(texture);
+    scene.remove(removed);
+    Cage cage = test::prism(5);
+    const auto displaced_by = [&](TextureId id) {
+        cage.displacement.emplace().texture.texture = id;
+        return cage;
+    };
+    const CageId id = scene.add(displaced_by(own));
+    EXPECT_NO_THROW(scene.add(displaced_by({})));
+    for (const TextureId wrong : {removed, foreign}) {
+        EXPECT_THROW(scene.add(displaced_by(wrong)), Error);
+        EXPECT_THROW(scene.replace(id, displaced_by(wrong)), Error);
+    }
+    EXPECT_EQ(scene.cage(id).cage.displacement->texture.texture, own);
+    EXPECT_THROW(scene.remove(own), Error) << "the cage still uses it";
+}
+
 TEST(Api, AJobCanBeWaitedForWithoutEnd)
 {
     Ball ball;

@@ -37,7 +37,7 @@ const Growth kGrowths[] = {
 // Poses a displaced cage at all keys, and dices it there.
 class DisplacedMotion {
 public:
-    DisplacedMotion(DisplacedCage& displaced, const Growth& growth, int segments)
+    DisplacedMotion(DisplacedCage& displaced, const Growth& growth, int segments) : scene_(displaced.scene)
     {
         const auto scale = [growth](double tau) { return growth.at(tau); };
         Motion motion{growth.name, segments, {}, {}, {}, {}};
@@ -80,7 +80,7 @@ public:
     lod::PosedCage* posed;
 
 private:
-    Scene scene_;
+    Scene& scene_;
     std::vector<Mat4d> matrices_;
     lod::TopologyCache topologies_;
     lod::DeformCounters counters_;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "scenegraph/foreign_texture.h"
 #include "tests/support/campaign.h"
 #include "tests/support/diced_mesh.h"
 #include "tests/support/displaced_cages.h"
@@ -182,7 +183,7 @@ TEST(Verify, HoldsForDisplacedCagesAsTheyArePosed)
         DisplacedCage displaced = displaced_case(c);
         add_skin(displaced.cage);
         Scene& scene = displaced.scene;
-        NodeDesc node{.name = "posed", .cages = {scene.add(displaced.cage)}};
+        NodeDesc node{.name = "posed", .cages = {add_with_foreign_texture(scene, displaced.cage)}};
         Skin skin;
         for (const Mat4d& joint : bent_joints()) skin.joints.push_back(scene.add_node(scene.root(), {.matrix = joint}));
         node.skin = scene.add(std::move(skin));
