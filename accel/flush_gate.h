@@ -107,7 +107,7 @@ private:
     }
     void leave() { inside_.unlock_shared(); }
 
-    std::mutex turn_;  ///< held by a worker that enters or flushes
+    std::mutex turn_;  ///< held by a worker that enters or flushes, and by one that works alone
     std::shared_mutex inside_;
     std::atomic<bool> is_wanted_ = false;
     std::uint64_t flushes_ = 0;  ///< written while no worker is inside

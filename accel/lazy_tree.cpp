@@ -1,7 +1,6 @@
 #include "accel/lazy_tree.h"
 
 #include <algorithm>
-#include <cfloat>
 
 #include "accel/memory_floor.h"
 #include "base/error_without_file.h"
@@ -67,21 +66,20 @@ void LazyTree::restart()
 void LazyTree::tighten(const TreeLeaf& leaf, std::size_t place, const IGrid& grid) const
 {
     Box3f boxes[lod::kMostSegments + 1];
-    float largest = 0, area = 0, area_of_item = 0;
+    GrowthAtKeys growth;  // boxes are rounded twice, as in Bvh
+    float area = 0, area_of_item = 0;
     for (int key = 0; key <= leaf.keys.segments; ++key) {
-        const Box3f box = boxes[key] = items.box_at(grid, leaf.keys.begin + static_cast<float>(key) / leaf.keys.per_time);
+        const Box3f box = items.box_at(grid, leaf.keys.begin + static_cast<float>(key) / leaf.keys.per_time);
         if (box.is_empty()) return;
-        largest = std::max(largest, box.largest_coordinate());
-        area += box.half_area();
+        const Vec3f pad(growth.next(box));
+        boxes[key] = {box.lo - pad, box.hi + pad};
+        area += boxes[key].half_area();
         area_of_item +=
             get_box(leaf.boxes + static_cast<std::size_t>(key) * leaf.stride(), place, leaf.keys.row).half_area();
     }
     if (!(area < area_of_item)) return;
-    // Boxes are rounded twice, as in Bvh.
-    const Vec3f pad(largest * 4 * FLT_EPSILON);
     for (int key = 0; key <= leaf.keys.segments; ++key)
-        set_box(leaf.boxes + static_cast<std::size_t>(key) * leaf.stride(), place,
-                {boxes[key].lo - pad, boxes[key].hi + pad}, leaf.keys.row);
+        set_box(leaf.boxes + static_cast<std::size_t>(key) * leaf.stride(), place, boxes[key], leaf.keys.row);
 }
 
 IGrid& LazyTree::grid(const TreeLeaf& leaf, std::size_t place, int pair, TraceCounters& asker)

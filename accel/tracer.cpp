@@ -249,8 +249,8 @@ void Tracer::occluded(std::span<const Ray> rays, std::span<std::uint8_t> occlude
         };
         return s.run<AnyHit>(axes, first, count, memory_bytes, take);
     });
-    s.counters.diced_for_camera =
-        for_camera;  // rays that only ask for occlusion are not the camera's, whatever their kinds are
+    // Rays that only ask for occlusion are not the camera's, whatever their kinds are.
+    s.counters.diced_for_camera = for_camera;
     s.counters.diced_for_occlusion += s.counters.diced - diced;
 }
 

@@ -17,7 +17,7 @@ struct ContainerLimits {
 /// root   of the file system; tests have one of their own
 ContainerLimits container_limits(const std::string& root = "") noexcept;
 
-/// Returns those of the machine, which are read once: that takes as long as a small frame does.
+/// Returns the limits of this process. They are read once, because reading them takes as long as a small frame.
 inline const ContainerLimits& own_container_limits() noexcept
 {
     static const ContainerLimits limits = container_limits();

@@ -145,9 +145,9 @@ bool PosedPatch::needs_differences(int depth)
 }
 
 // The patch's first control point is subtracted from all of them here, so that their rounding errors are small beside the
-// patch. The weights of differences add up to 0, so what was subtracted cancels. Other weights add up to 1, so all of a row
-// or column lacks the first control point once. Moves are vectors, and their weights add up to neither: they stay as they
-// are.
+// patch. The weights of differences add up to 0, so what was subtracted cancels. Other weights add up to 1, so each control
+// of a row or column lacks the first control point once. Moves are vectors, and their weights add up to neither: they stay
+// as they are.
 const PieceControls& PosedPatch::differences(const PatchClass::Node& node, bool along_v)
 {
     const std::size_t count = node.control_count;

@@ -22,7 +22,7 @@ struct Path {
     shade::Receiver receiver;      ///< the surface that scattered it, as lights were chosen for it
     std::uint8_t tree_draws = 0;   ///< lights that were drawn there from the tree for each light sample
     std::uint16_t passed = 0;      ///< number of surfaces that the ray has passed straight on
-    float stands_for = 1;          ///< number of rays: itself, and those that chance ended or led elsewhere
+    float stands_for = 1;          ///< number of rays: itself, and those led elsewhere where light may pass
     float straight = 1;            ///< share of the light that the surfaces passed straight on since the last scattering
     std::uint8_t bounces = 0;      ///< number of surfaces that scattered it
     std::uint8_t splits = 0;       ///< number of surfaces that split the camera ray in two, up to kMaxSplits

@@ -39,9 +39,8 @@ public:
             return true;
         });
     }
-    int level(const std::vector<Vec3d>& eyes, const std::vector<Vec3d>& cages)
+    int level(const std::vector<Vec3d>& eyes, const std::vector<Vec3d>& cages, lod::LevelSettings levels = {})
     {
-        lod::LevelSettings levels;
         levels.mode = lod::LevelMode::PerInstance;
         levels.pixel = {0, 0.001f};
         levels.eye = place_at(eyes, 0.5);
@@ -94,6 +93,19 @@ TEST(OneLevel, IsTheFinestThatAPlacementNeedsAtAnyMoment)
         differing += finest != one.level_at(flight, 0.5);
     }
     EXPECT_GE(differing, 5) << "most flights have another level in the middle";
+}
+
+// The cage is close behind the camera, leaves sideways, flies to where the camera looks, and comes into view far away.
+TEST(OneLevel, IsThatOfTheTimesAtWhichThePlacementIsInView)
+{
+    const Camera camera = Camera::look_at({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 0.8f);
+    const lod::LevelSettings view = render::CameraRays(camera, 64, 48).levels(1);
+    ASSERT_EQ(view.plane_count, 4);
+    const Vec3d behind{0, 0, 3}, aside{60, 0, 3}, ahead{60, 0, -57}, in_view{0, 0, -57};
+    OneLevel one;
+    const int of_the_end = one.level({Vec3d(0)}, {in_view}, view);
+    EXPECT_EQ(one.level({Vec3d(0)}, {behind, aside, ahead, in_view, in_view}, view), of_the_end);
+    EXPECT_LT(one.level({Vec3d(0)}, {behind, aside}, view), of_the_end) << "nothing is in view, so the nearest time counts";
 }
 
 TEST(OneLevel, KnowsWhereTheKeysOfACameraAre)
