@@ -269,8 +269,7 @@ bool Integrator::shade_hit(std::size_t i, const accel::SurfaceHit& hit, const Ca
     }
     if (context_.log) context_.log->surface(path, hit, surface);
     const Vec3f share = path.throughput * surface.opacity;
-    Vec3f transmittance = surface.transmittance,
-          absorption = surface.is_straight ? surface.absorption_behind(hit.back_side, path.absorption) : path.absorption;
+    Vec3f transmittance = surface.transmittance, absorption = surface.absorption_behind(hit.back_side, path.absorption);
     Vertex& v = *new (slot.vertex) Vertex{path, ray, hit, sample, surface, share, share, 0, occlusion};
     set_receiver(v);
     const Chances chance = chances(v);

@@ -107,7 +107,7 @@ bool ShadowQueue::passes(Blocked& of, accel::Ray& ray, const accel::SurfaceHit& 
 {
     const shade::StraightPass pass = shade::passes_straight(shade_point(ray, hit, rules_.texture_width), textures_);
     const Vec3f transmittance = pass.transmittance * left_by_body(of.absorption, hit.t - start_of(ray), scale_);
-    if (pass.is_straight) of.absorption = hit.back_side ? Vec3f(0) : pass.absorption_inside;
+    if (pass.bounds_body) of.absorption = hit.back_side ? Vec3f(0) : pass.absorption_inside;
     Shadow& shadow = shadows_[of.shadow];
     const float share = of.share * std::max({transmittance.x, transmittance.y, transmittance.z});
     const float chance = passing_chance(share, ++of.passed);

@@ -349,7 +349,7 @@ StraightPass passes_straight(const ShadePoint& point, const TextureStore& textur
 {
     if (!may_pass(*point.material)) return {};
     const Surface s = evaluate(point, textures);
-    return {s.transmittance, s.is_straight, s.absorption_inside};
+    return {s.transmittance, s.bounds_body(), s.absorption_inside};
 }
 
 float ambient_share(const ShadePoint& point, const TextureStore& textures) noexcept

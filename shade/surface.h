@@ -135,7 +135,7 @@ bool is_hole(const Material& material, const lod::VertexToShade& at, Vec4f color
 /// Describes what happens to light that comes to a surface and passes it straight on.
 struct StraightPass {
     Vec3f transmittance{0};      ///< as that of evaluate()
-    bool is_straight = false;    ///< it enters or leaves a body that does not bend light
+    bool bounds_body = false;    ///< it enters or leaves a body, whether that bends light or not
     Vec3f absorption_inside{0};  ///< of that body
 };
 /// Returns what evaluate() gives for light that passes straight on, without computing the rest for surfaces that let none

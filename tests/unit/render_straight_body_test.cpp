@@ -239,6 +239,61 @@ TEST(StraightBodies, HaveTheSameBitsForAnyThreadsAndBudget)
         }
 }
 
+// The shares of the surface that bend light and that are not there lead into the body and out of it alike, and outside of it
+// nothing is absorbed. So an index that hardly bends light makes the same picture as one that does not.
+TEST(BlendedBodies, TakeLightWithinThemAloneAtAnyIndex)
+{
+    for (const float ior : {1.0005f, 1.002f, 1.02f})
+        for (const float alpha : {0.1f, 0.5f, 1.0f})
+            for (const double wall : {-1.1, -2.0, -9.0}) {
+                BodyStage stage;
+                Material m = body_of(ior);
+                m.alpha_mode = AlphaMode::Blend;
+                m.base_color.w = alpha;
+                stage.put(triangle_box(), m, {0, 0, 0}, {20, 1, 20});
+                stage.put(level_square(20), shining(1), {0, wall, 0});
+                stage.settings.spp = 256;
+                // At normal incidence the two sides of the box reflect 2e-4 of the light at an index of 1.02.
+                expect_close(stage.seen_from({0, 9, 0}), left_after(2), 5e-3);
+            }
+}
+
+// A film dims a floor behind it, and the way from there to a lamp that does not shine through it.
+TEST(BlendedBodies, TakeNothingFromLightThatComesToASurfaceBehindThem)
+{
+    const auto seen = [](bool has_film) {
+        BodyStage stage;
+        Material m = body_of(1.05f);
+        m.alpha_mode = AlphaMode::Blend;
+        m.base_color.w = 0.5f;
+        if (has_film) stage.put(triangle_box(), m, {0, 1, 0}, {0.1, 0.001, 0.1});
+        stage.put(level_square(9), matte_of(0.8f));
+        stage.put(Light{"lamp", PointLight{Vec3f(1)}}, {3, 0.5, 0});
+        stage.settings.spp = 256;
+        return stage.seen_from({0, 3, 0});
+    };
+    expect_close(seen(true) / seen(false), left_after(0.002), 5e-3);
+}
+
+// The lamp is within the body, above a floor that is within it too: shadow rays start and end there.
+TEST(BlendedBodies, TakeLightOfShadowRaysThatCrossTheirGaps)
+{
+    const auto seen = [](float ior) {
+        BodyStage stage;
+        Material m = body_of(ior);
+        m.alpha_mode = AlphaMode::Blend;
+        m.base_color.w = 0.01f;
+        stage.put(triangle_box(), m, {0, 1, 0}, {9, 0.5, 9});
+        stage.put(level_square(9), matte_of(0.8f));
+        stage.put(Light{"lamp", PointLight{Vec3f(1)}}, {0, 2, 0});
+        stage.settings.spp = 1024;
+        stage.settings.integrator = IntegratorKind::Direct;
+        return stage.seen_from({0, 0.4, 0});
+    };
+    // Shadow rays do not pass the hundredth of each side that bends light.
+    expect_close(seen(1.01f), seen(1.0005f) * 0.99f * 0.99f, 5e-3);
+}
+
 // The box leaves the view half-way.
 TEST(StraightBodies, ThatMoveTakeLightWhereTheyAreAtEachMoment)
 {
