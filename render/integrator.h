@@ -311,6 +311,7 @@ private:
         ray.origin = test.origin;
         ray.direction = test.direction;
         ray.t_far = test.t_far;
+        ray.kinds = test.kinds;
         ray.start_level = v.hit.start_level;
         ray.time = v.ray.time;
         ray.footprint = {v.width, spread};
@@ -333,7 +334,6 @@ private:
     void extend();
     /// Sorts the paths by the number of hits that are found at once, so that those of one number stand together.
     void group_by_hits();
-
     int light_samples_at(const Path& path) const noexcept;
     int scatter_samples_at(const Path& path) const noexcept;
     int tree_draws_at(const Path& path) const noexcept { return path.is_camera() ? kTreeDraws : kLaterTreeDraws; }
@@ -386,11 +386,11 @@ private:
     struct LightTests {
         shade::LaneRows directions, radiances;  ///< with the distances and the densities
         shade::LaneFloats spread;
-        unsigned not_black = 0;  ///< bits of the surfaces to which it contributes
+        unsigned not_black = 0;                  ///< bits of the surfaces to which it contributes
+        std::array<std::uint8_t, kLanes> kinds;  ///< of the rays
     };
     KeptVector<LightTests> tests_;
     shade::LaneFloats widths_;  ///< of the beams that have come to them
-
     Vertex& waiting(int k) noexcept { return waiting_[static_cast<std::size_t>(k)].at(); }
     const Vertex& waiting(int k) const noexcept { return waiting_[static_cast<std::size_t>(k)].at(); }
     SurfacesToDraw surfaces_to_draw_;  ///< those that wait

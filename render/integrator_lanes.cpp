@@ -67,7 +67,8 @@ void Integrator::shade_waiting()
         for (const LightTests& t : tests_) {
             if ((t.not_black >> k & 1) == 0) continue;
             const Vec3f direction = t.directions.vector(k), radiance = t.radiances.vector(k);
-            shoot(of, {of.start, direction, t.directions.number(k), radiance, t.radiances.number(k)},
+            shoot(of,
+                  {of.start, direction, t.directions.number(k), radiance, t.radiances.number(k), t.kinds[std::size_t(k)]},
                   radiance * of.lit_share, t.spread.of[k]);
         }
         if (is_scattered[k] && (samples.not_black >> k & 1) != 0)
@@ -91,6 +92,7 @@ void Integrator::gather_in_lanes(const shade::SurfaceLanes& surfaces, int count)
             samples.set(k, all.meshes().sample(of.start, of.receiver.of_all_groups(), u));
         }
         add_tests(surfaces, samples.lanes(), 1.0f);
+        tests_.back().kinds = samples.kinds;
     }
     if (all.environment().has_density()) {
         Vec2f squares[kLanes];
@@ -141,6 +143,7 @@ void Integrator::add_tests(const shade::SurfaceLanes& surfaces, const shade::Lig
     const shade::LightSampleLanes found = surfaces.test_of(sample, one, scatter_count);
     const shade::VecLanes& radiance = found.radiance;
     LightTests& test = tests_.emplace_back();
+    test.kinds.fill(accel::RayKind::Shadow);
     test.directions.set(found.direction, found.distance);
     test.radiances.set(radiance, found.density);
     test.not_black = bits((radiance.x > zero) | (radiance.y > zero) | (radiance.z > zero));

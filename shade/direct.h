@@ -26,8 +26,9 @@ struct ShadowTest {
     Vec3d origin{0};
     Vec3f direction{0};
     float t_far = 0;
-    Vec3f radiance{0};  ///< zero: there is nothing to trace
-    float density = 0;  ///< density of the light's sample per solid angle; 0: the light has no extent
+    Vec3f radiance{0};                     ///< zero: there is nothing to trace
+    float density = 0;                     ///< density of the light's sample per solid angle; 0: the light has no extent
+    std::uint8_t kinds = RayKind::Shadow;  ///< of the ray
 };
 
 /// Holds the expected number of samples of each technique of multiple importance sampling at a point.
@@ -58,7 +59,7 @@ struct SampleCounts {
 inline ShadowTest ray_to(const Surface& surface, const LightSample& sample) noexcept
 {
     const Vec3d start = surface.start(sample.direction);
-    ShadowTest ray{start, sample.direction, sample.distance, Vec3f(0), sample.density};
+    ShadowTest ray{start, sample.direction, sample.distance, Vec3f(0), sample.density, sample.kinds};
     const Vec3d aside = surface.front_start() - start;
     if (aside == Vec3d(0) || !std::isfinite(sample.distance)) return ray;
     const Vec3d way = Vec3d(sample.direction) * double(sample.distance) + aside;

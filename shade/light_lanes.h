@@ -1,6 +1,8 @@
 // Samples of lights for several surfaces side by side, with the bits of those for one.
 #pragma once
 
+#include <array>
+
 #include "shade/frame_lights.h"
 #include "shade/surface_lanes.h"
 
@@ -28,6 +30,7 @@ vmask is_left_to_samples(const WorldLight& light, const VecLanes& to_middle, vfl
 struct LightSamples {
     LaneVectors direction, radiance;
     LaneFloats distance, density;
+    std::array<std::uint8_t, kLanes> kinds{};
 
     void set(int lane, const LightSample& s) noexcept
     {
@@ -35,6 +38,7 @@ struct LightSamples {
         radiance.set(lane, s.radiance);
         distance.of[lane] = s.distance;
         density.of[lane] = s.density;
+        kinds[std::size_t(lane)] = s.kinds;
     }
     LightSampleLanes lanes() const noexcept
     {

@@ -12,6 +12,7 @@
 #include "base/vec.h"
 #include "scenegraph/frame_scale.h"
 #include "scenegraph/light.h"
+#include "scenegraph/ray_kind.h"
 
 namespace occam::shade {
 
@@ -27,6 +28,7 @@ struct LightSample {
     float distance = 0;  ///< at which a shadow ray ends, a little before the light; infinity for parallel light
     Vec3f radiance{0};   ///< incoming, divided by the density of the sample per solid angle; zero: nothing arrives
     float density = 0;   ///< per solid angle; 0: the light has no extent, and no scattered ray can find it
+    std::uint8_t kinds = RayKind::Shadow;  ///< of the ray that decides whether it arrives
 };
 
 /// Describes where a ray crosses a light that has no surface in the scene.

@@ -177,12 +177,13 @@ struct MeshLights::Placed {
     Mat4d world_from_object;
     /// Whether points on it are sampled: not if it moves while the shutter is open, or is hidden from scattered rays.
     bool is_sampled;
+    std::uint8_t kinds;  ///< of the rays that tell whether its light arrives
     std::unordered_set<const Material*> unsampled;
 };
 
 void MeshLights::add(const Placed& placed, CageId cage_id, const CageSlot& slot)
 {
-    const auto& [scene, node, id, world_from_object, is_sampled, unsampled] = placed;
+    const auto& [scene, node, id, world_from_object, is_sampled, kinds, unsampled] = placed;
     const Cage& cage = slot.cage;
     const std::size_t slots = slots_of(node, cage);
     std::vector<bool> glows(slots);
@@ -198,7 +199,7 @@ void MeshLights::add(const Placed& placed, CageId cage_id, const CageSlot& slot)
         if (density > 0 && std::isfinite(found.area[s])) power_ += double(density) * found.area[s];
         if (!(density > 0) || !is_sampled || scene.find(node.skin) || unsampled.contains(material)) continue;
         const bool is_mirrored = mirrors(Mat3d(world_from_object));
-        const Mesh mesh{id, cage_id, &cage, material, world_from_object, density, is_mirrored, extent};
+        const Mesh mesh{id, cage_id, &cage, material, world_from_object, density, is_mirrored, extent, kinds};
         const std::size_t before = sums_.size();
         for (const std::uint32_t face : found.of(s)) {
             const TrianglePoints c = corners(mesh, face);
@@ -218,6 +219,8 @@ MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const F
     const std::unordered_set<NodeId> moving = moving_nodes(scene, Contents::Emitters);
     const std::unordered_set<NodeId> hidden = nodes_hidden_from(
         scene, RayKind::Reflection | RayKind::Transmission | RayKind::Diffuse, Contents::Emitters);
+    // Shadow rays would find the far side of such a mesh through its near side, which scattered rays cannot.
+    const std::unordered_set<NodeId> unshadowed = nodes_hidden_from(scene, RayKind::Shadow, Contents::Emitters);
     std::size_t faces = 0;
     scene.for_placements_of(Contents::Emitters, [&](NodeId, const Node& node, const Mat4d&) {
         for (CageId id : node.cages)
@@ -233,6 +236,7 @@ MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const F
                             id,
                             scale.placed(world_from_node),
                             !moving.contains(id) && !hidden.contains(id),
+                            unshadowed.contains(id) ? RayKind::Diffuse : RayKind::Shadow,
                             unsampled_materials(scene, node)};
         for (CageId cage : node.cages)
             if (const CageSlot* slot = scene.find(cage)) add(placed, cage, *slot);
@@ -370,7 +374,7 @@ LightSample MeshLights::sample(Vec3d point, const Receiver& receiver, LightNumbe
     if (!(density > 0)) return {};
     const double short_by = kEndUlps * FLT_EPSILON * (distance + double(mesh.extent)) / cosine;
     return {Vec3f(to_light / distance), static_cast<float>(std::max(distance - short_by, 0.0)),
-            surface.emission * (surface.opacity / density), density};
+            surface.emission * (surface.opacity / density), density, mesh.kinds};
 }
 
 }  // namespace occam::shade

@@ -76,6 +76,7 @@ private:
         float area_density;  ///< not yet divided by the total
         bool is_mirrored;    ///< the placement reverses the orientation of faces
         float extent;        ///< of the cage, as far as its coordinates and so their rounding go
+        std::uint8_t kinds;  ///< of the rays that tell whether its light arrives
     };
     struct TrianglePoints {
         Vec3d a, b, c;

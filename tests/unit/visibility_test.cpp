@@ -167,6 +167,45 @@ TEST(Visibility, ScatteredRaysToTheSkyAreNoShadowRays)
         }
 }
 
+// Shadow rays would reach the far side of the box through its near side, which scattered rays cannot.
+TEST(Visibility, AnEmissiveMeshThatCastsNoShadowShinesAsAnyOther)
+{
+    for (const bool is_metal : {false, true}) {
+        Scene scene;
+        Material m, shining;
+        m.specular = 0;
+        m.metallic = is_metal ? 1.0f : 0.0f;
+        m.roughness = is_metal ? 0.5f : 1.0f;
+        shining.emission = Vec3f(9);
+        shining.base_color = Vec4f(0, 0, 0, 1);
+        shining.specular = 0;
+        Cage floor = floor_of(3), lamp = triangle_box();
+        floor.materials = {scene.add(m)};
+        lamp.materials = {scene.add(shining)};
+        place(scene, scene.add(std::move(floor)), {0, 0, 0});
+        const NodeId box = place(scene, scene.add(std::move(lamp)), {0.3, 1.2, 0.1}, 0.2);
+        const auto lit = [&](std::uint8_t seen_by, int light_samples) {
+            scene.set_seen_by(box, seen_by);
+            const Settings settings{.width = 4,
+                                    .height = 4,
+                                    .spp = 1024 / light_samples,
+                                    .bounces = 0,
+                                    .light_samples = light_samples,
+                                    .sky = shade::Sky::Off};
+            const Camera camera = Camera::look_at({0, 0.5, 0}, {0, 0, 0}, {0, 0, -1}, 0.01f);
+            double sum = 0;
+            const Image image = Renderer({.threads = 1}).render(scene, camera, settings);
+            for (std::size_t i = 0; i < 64; i += 4) sum += double(image.find("beauty")->pixels[i]) / 16;
+            return sum;
+        };
+        const double all = lit(RayKind::All, 1);
+        EXPECT_GT(all, 0.02);
+        // One sample of a light is drawn for several surfaces in lanes, and more for each surface alone.
+        for (const int light_samples : {1, 4})
+            EXPECT_NEAR(lit(RayKind::All & ~RayKind::Shadow, light_samples), all, 0.02 * all) << is_metal;
+    }
+}
+
 // A surface that shines but is hidden from the rays that would find its light does not light what scatters those. Nothing
 // is lost where other rays find it.
 TEST(Visibility, AnEmissiveMeshLightsByTheRaysThatSeeIt)
