@@ -39,7 +39,7 @@ void print(const VerifiedCage& tested)
     std::cout << tested.rays << " rays, " << tested.escaped << " escaped, " << tested.not_finite << " not finite";
     if (tested.faces_not_met > 0) std::cout << "; no ray met " << tested.faces_not_met << " of the faces";
     if (tested.moments_not_tested > 0)
-        std::cout << "; no ray saw it at " << tested.moments_not_tested << " moments, at which no point inside was found";
+        std::cout << "; at " << tested.moments_not_tested << " moments no point inside was found";
     std::cout << '\n';
 }
 

@@ -63,25 +63,46 @@ void EscapeTest::run(std::uint64_t rays)
             "no point inside was found: no winding number is 1, so the surface is open, its faces are turned inside out, or "
             "its inside is thinner than the edges at the largest rate";
     report_.faces_not_met = std::max<std::uint64_t>(report_.faces_not_met, not_met_.size());
-    for (const Instant& instant : instants_) report_.moments_not_tested += !instant.is_tested;
+    for (const Instant& instant : instants_) report_.moments_not_tested += !instant.has_inside;
+}
+
+std::size_t EscapeTest::moments_seen() const
+{
+    return static_cast<std::size_t>(std::ranges::count_if(instants_, &Instant::is_seen));
 }
 
 void EscapeTest::test_all_levels(std::uint64_t rays)
 {
     report_.not_testable.clear();
-    const int first = finest_, last = subject_.level_of_rate(settings_.largest_rate) - kFiner;
+    const int first = finest_;
     std::vector<std::vector<Start>> starts;
     for (const Instant& instant : instants_) starts.push_back(instant.starts);
+    const auto return_to_first = [&] {
+        if (finest_ != first) dice(first, Moments::All);
+        for (std::size_t i = 0; i < instants_.size(); ++i) instants_[i].starts = starts[i];
+    };
+    test_thin_moments(rays);
+    if (report_.rays >= rays) return;
+    return_to_first();
     test_level(rays);
     // Behind faces that were not met the inside may be too thin for the first level.
-    while (report_.rays < rays && !not_met_.empty() && finest_ - 1 > last && corners_ <= kMostCorners) {
-        dice(finest_ - 1);
+    while (report_.rays < rays && !not_met_.empty() && has_finer_level(Moments::All)) {
+        dice(finest_ - 1, Moments::All);
         if (find_starts_behind() > 0) test_level(rays);
     }
     if (report_.rays >= rays) return;
-    if (finest_ != first) dice(first);
-    for (std::size_t i = 0; i < instants_.size(); ++i) instants_[i].starts = starts[i];
+    return_to_first();
     send(rays);
+}
+
+void EscapeTest::test_thin_moments(std::uint64_t rays)
+{
+    const std::uint64_t share = (rays - std::min(rays, report_.rays)) / std::max<std::size_t>(instants_.size(), 1);
+    const auto is_thin = [](const Instant& instant) { return is_among(instant, Moments::WithoutInside); };
+    while (std::ranges::any_of(instants_, is_thin) && has_finer_level(Moments::WithoutInside)) {
+        dice(finest_ - 1, Moments::WithoutInside);
+        send(std::min(rays, report_.rays + share * find_starts()));
+    }
 }
 
 void EscapeTest::test_level(std::uint64_t rays)
@@ -95,7 +116,7 @@ void EscapeTest::test_level(std::uint64_t rays)
 
 void EscapeTest::send(std::uint64_t rays)
 {
-    if (!has_starts()) return;
+    if (!has_starts() || report_.rays >= rays) return;
     if (!tracer_) {
         set_levels();
         frame_ = std::make_unique<accel::Frame>(subject_.scene(), subject_.topologies(), levels_,
@@ -193,21 +214,28 @@ void EscapeTest::choose_instants()
     }
 }
 
-void EscapeTest::dice(int finest)
+void EscapeTest::dice(int finest, Moments those)
 {
     finest_ = finest;
     grazing_.reset();
     silhouettes_.reset();
     tracer_.reset();
     frame_.reset();
-    corners_ = 0;
     for (Instant& instant : instants_) {
         instant.starts.clear();
         instant.pairs.clear();
-        for (int level = finest_; level < finest_ + kLevels; ++level)
+        for (int level = finest_; is_among(instant, those) && level < finest_ + kLevels; ++level)
             instant.pairs.push_back(subject_.dice(level, instant.time));
-        corners_ += instant.pairs.front().corners.size();
     }
+}
+
+bool EscapeTest::has_finer_level(Moments those) const
+{
+    std::size_t corners = 0;
+    for (const Instant& instant : instants_)
+        if (is_among(instant, those)) corners += subject_.corner_count(finest_);
+    const int last = subject_.level_of_rate(settings_.largest_rate) - kFiner + 1;
+    return finest_ > last && corners <= kMostCorners;
 }
 
 bool EscapeTest::has_starts() const
@@ -215,12 +243,20 @@ bool EscapeTest::has_starts() const
     return std::ranges::any_of(instants_, [](const Instant& instant) { return !instant.starts.empty(); });
 }
 
-void EscapeTest::find_starts()
+std::size_t EscapeTest::find_starts()
 {
+    const bool is_last = !has_finer_level(Moments::WithoutInside);
+    std::size_t found = 0;
     for (Instant& instant : instants_) {
-        StartSearch(instant, subject_, instants_.size(), random_).anywhere();
+        if (!is_among(instant, Moments::WithoutInside)) continue;
+        StartSearch search(instant, subject_, instants_.size(), random_);
+        search.anywhere(is_last);
+        // In thin walls a point has less room than is looked for at first.
+        if (instant.starts.empty() && is_last) search.behind(subject_.faces());
         report_.starts += instant.starts.size();
+        found += instant.has_inside;
     }
+    return found;
 }
 
 std::size_t EscapeTest::find_starts_behind()
@@ -236,24 +272,26 @@ std::size_t EscapeTest::find_starts_behind()
 
 bool EscapeTest::find_first_level()
 {
-    const int level_of_rate = subject_.level_of_rate(settings_.largest_rate);
-    for (int finer = 0; finer < kFiner; ++finer) {
-        dice(level_of_rate - finer);
+    for (int level = subject_.level_of_rate(settings_.largest_rate);; --level) {
+        dice(level, Moments::All);
         find_starts();
         if (has_starts()) return true;
-        if (corners_ > kMostCorners) break;
+        if (!has_finer_level(Moments::All)) return false;
     }
-    // In thin walls a point has less room than is looked for at first.
-    return !not_met_.empty() && find_starts_behind() > 0;
 }
 
 EscapeTest::View EscapeTest::next_view()
 {
-    std::vector<Instant*> seen;
-    for (Instant& instant : instants_)
-        if (!instant.starts.empty()) seen.push_back(&instant);
-    Instant& instant = seen.size() > 1 ? *pick(seen, random_) : *seen.front();
-    instant.is_tested = true;
+    // The first views go to each moment once, so that few rays see as many moments as they can.
+    std::vector<Instant*> with_starts, unseen;
+    for (Instant& instant : instants_) {
+        if (instant.starts.empty()) continue;
+        with_starts.push_back(&instant);
+        if (!instant.is_seen) unseen.push_back(&instant);
+    }
+    const std::vector<Instant*>& of = unseen.empty() ? with_starts : unseen;
+    Instant& instant = of.size() > 1 ? *pick(of, random_) : *of.front();
+    instant.is_seen = true;
     const Start& start = pick(instant.starts, random_);
     const int coarsest = std::clamp(std::ilogb(start.reach), finest_ + 1, finest_ + kLevels);
     return {instant, start, coarsest, finest_ + static_cast<int>(random_() % static_cast<unsigned>(coarsest - finest_))};

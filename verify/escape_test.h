@@ -34,6 +34,9 @@ public:
     /// Sends rays until the report counts as many. The cage cannot be tested if no size has a point inside.
     void run(std::uint64_t rays);
 
+    /// Returns at how many moments rays were sent.
+    std::size_t moments_seen() const;
+
     /// Traces one ray, writes what it does, and judges it.
     void replay(const RayLine& line, std::ostream& out);
 
@@ -47,23 +50,32 @@ private:
     /// Chooses the moments at which rays see the cage: one if it stands still, else one of its keys, and others anywhere.
     void choose_instants();
 
-    /// Dices the cage from this level on, at all moments, and forgets what was made for another level.
-    void dice(int finest);
+    enum class Moments { All, WithoutInside };
+    static bool is_among(const Instant& instant, Moments those) { return those == Moments::All || !instant.has_inside; }
 
-    /// Finds points anywhere inside the cage, at all moments.
-    void find_starts();
+    /// Dices the cage from this level on, at those moments, and forgets what was made for another level or moment.
+    void dice(int finest, Moments those);
+    /// Returns whether the test may look at the next finer level, too, at those moments.
+    bool has_finer_level(Moments those) const;
+
+    /// Finds points anywhere inside the cage, at the moments at which none was found before. Returns at how many it finds
+    /// some.
+    std::size_t find_starts();
     /// Finds other points instead, behind faces that were not met. Returns how many.
     std::size_t find_starts_behind();
     bool has_starts() const;
 
-    /// Dices the cage from the first level on at which there is a point inside. The level is finer than the settings ask
-    /// for if the inside is thinner than its edges. Returns false if there is none.
+    /// Dices the cage from the first level on at which there is a point inside at some moment. The level is finer than the
+    /// settings ask for if the inside is thinner than its edges. Returns false if there is none.
     bool find_first_level();
 
     /// Sends rays until the report counts as many, if there are starts.
     void send(std::uint64_t rays);
     /// Tests the first level, and finer ones while there are faces that were not met.
     void test_all_levels(std::uint64_t rays);
+    /// Looks at finer levels for points inside at the moments that have none at the first level, since the cage may be
+    /// thinner then. Sends these moments their share of the rays.
+    void test_thin_moments(std::uint64_t rays);
     /// Sends rays from the level's starts, and from others behind the faces that they did not meet, until no more of these
     /// are met.
     void test_level(std::uint64_t rays);
@@ -107,7 +119,6 @@ private:
     Subject subject_;
     int finest_ = 0;
     std::vector<Instant> instants_;
-    std::size_t corners_ = 0;              ///< number of corners of their finest meshes
     std::vector<std::uint32_t> not_met_;   ///< faces that no ray met
     std::vector<bool> is_met_;             ///< by face
     std::unique_ptr<accel::Frame> frame_;  ///< of the level; made when rays are sent

@@ -57,10 +57,11 @@ bool StartSearch::try_at(Vec3d p, double least, bool needs_room, std::uint32_t f
     const double reach = std::min(distance, box_.radius()) * 0.5;
     if (!is_inside_at(p, reach, needs_room)) return false;
     instant_.starts.push_back({p, reach, face});
+    instant_.has_inside = true;
     return true;
 }
 
-void StartSearch::anywhere()
+void StartSearch::anywhere(bool is_last)
 {
     const std::vector<Vec3f>& corners = instant_.pairs.front().corners;
     const std::vector<Start>& starts = instant_.starts;
@@ -69,8 +70,7 @@ void StartSearch::anywhere()
     const std::size_t most = std::max<std::size_t>(share, 8);
     // A point needs so much room that coarser meshes do not pass by it.
     const double least = 2 * edge_;
-    // Where no finer level will be looked at, more points are tried until one is inside.
-    const std::size_t tries = corners.size() > kMostCorners ? 64 : 4;
+    const std::size_t tries = is_last ? 64 : 4;
     for (std::size_t attempt = 0; attempt < (starts.empty() ? tries : 4) * most && starts.size() < most / 4; ++attempt) {
         // Half of the points lie anywhere, half near the surface.
         Vec3d p = box_.lo + box_.extent() * Vec3d(uniform(random_), uniform(random_), uniform(random_));

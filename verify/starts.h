@@ -15,7 +15,7 @@
 
 namespace occam {
 
-/// Finest meshes that have more corners than this, at all moments together, are refined no further.
+/// Finest meshes that have more corners than this, at all moments together that are looked at, are refined no further.
 inline constexpr std::size_t kMostCorners = 2'000'000;
 
 inline constexpr std::uint32_t kNoFace = std::numeric_limits<std::uint32_t>::max();
@@ -31,7 +31,8 @@ struct Instant {
     float time = 0;
     std::vector<Subject::Pair> pairs;
     std::vector<Start> starts;
-    bool is_tested = false;  ///< whether rays were sent
+    bool has_inside = false;  ///< whether points inside were found, at this level or at another
+    bool is_seen = false;     ///< whether rays were sent
 };
 
 class StartSearch {
@@ -41,10 +42,12 @@ public:
     StartSearch(Instant& instant, const Subject& subject, std::size_t instants, Random& random);
 
     /// Looks for points anywhere in the cage.
-    void anywhere();
+    /// is_last   whether no finer level follows: then more points are tried until one is inside
+    void anywhere(bool is_last);
 
     /// Looks for a point behind each of some of these faces, chosen at random. Returns how many it found. They may have
-    /// less room than those anywhere, unless the cage is displaced: at finer levels they could lie outside of it.
+    /// less room than points anywhere. Points in displaced cages may not, since they could lie outside of the cage at finer
+    /// levels.
     std::size_t behind(std::span<const std::uint32_t> faces);
 
 private:

@@ -41,7 +41,8 @@ struct VerifiedCage {
     /// The number of faces that no ray met, at the size of the cage at which there are most of them. Points inside are
     /// looked for behind faces that were not met, until all are, or the finer meshes that this takes would be too large.
     std::uint64_t faces_not_met = 0;
-    /// The number of moments of the shutter at which no point inside was found, so that no ray saw the cage.
+    /// The number of moments of the shutter, of those at which rays were to see the cage, at which no point inside was
+    /// found: nothing is known of these.
     std::uint64_t moments_not_tested = 0;
     std::uint64_t rays = 0, escaped = 0;
     /// Counts rays that started outside of the surface that they see, among those that hit nothing or a front side:

@@ -2,12 +2,16 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "tests/support/made_cages.h"
 #include "tests/support/random_directions.h"
 #include "tests/support/shape_builders.h"
 #include "verify/closed.h"
+#include "verify/escape_test.h"
 #include "verify/mesh_pieces.h"
+#include "verify/starts.h"
 #include "verify/verify.h"
 
 namespace occam::test {
@@ -149,6 +153,98 @@ TEST(Verify, StartsInsideOfACageThatBecomesItsMirrorImage)
     EXPECT_EQ(found.not_testable, "");
     EXPECT_GT(found.rays, 0u);
     EXPECT_TRUE(found.holds());
+}
+
+/// Adds a node that shows a cage, and moves it while the shutter is open.
+NodeId add_moved(Scene& scene, Cage cage, double scale_before, double scale_after)
+{
+    const NodeId node = scene.add_node(scene.root(), {.name = "cage", .cages = {scene.add(std::move(cage))}});
+    scene.record_shutter(1, [&](double tau) {
+        Trs place;
+        place.translation = {0.5 * tau, 0.15 * tau, 0};
+        place.scale = {1, 1, scale_before + (scale_after - scale_before) * tau};
+        scene.set_transform(node, place);
+    });
+    return node;
+}
+
+// What is counted is where no point was found, and not where one was found from which no ray has started yet.
+TEST(Verify, FindsPointsInsideAtAllMomentsHoweverFewRaysThereAre)
+{
+    Scene scene;
+    add_moved(scene, prism(7), 1, 1);
+    const VerifiedCage found = verify(scene, {.rays = 512}).at(0);
+    EXPECT_EQ(found.rays, 512u);
+    EXPECT_GE(found.starts, 8u);
+    EXPECT_EQ(found.moments_not_tested, 0u);
+}
+
+// At some moments this cage is thick enough for the level at which the test begins, and at others it is not.
+TEST(Verify, LooksAtFinerLevelsAtMomentsAtWhichACageIsThinner)
+{
+    for (const std::uint64_t seed : {1u, 2u, 3u})
+        for (const std::uint64_t rays : {512u, 20'480u}) {
+            Scene scene;
+            add_moved(scene, prism(4), 0.3, 0.4);
+            const VerifiedCage found = verify(scene, {.rays = rays, .seed = seed, .largest_rate = 16}).at(0);
+            EXPECT_EQ(found.rays, rays) << seed;
+            EXPECT_EQ(found.moments_not_tested, 0u) << seed << ", of " << rays << " rays";
+            EXPECT_TRUE(found.holds()) << seed;
+        }
+}
+
+TEST(Verify, CountsAMomentAtWhichACageHasNoInside)
+{
+    std::uint64_t all = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        Scene scene;
+        add_moved(scene, prism(4), 0, 1);
+        const VerifiedCage found = verify(scene, {.rays = 512, .seed = seed, .largest_rate = 4}).at(0);
+        EXPECT_EQ(found.not_testable, "");
+        EXPECT_LE(found.moments_not_tested, 1u) << seed;  // the first moment is a key
+        all += found.moments_not_tested;
+    }
+    EXPECT_GT(all, 0u);
+}
+
+TEST(Verify, SendsTheFirstRaysOfACageThatMovesToEachMomentOnce)
+{
+    for (const std::uint64_t seed : {1u, 2u, 3u})
+        for (const std::size_t views : {1u, 5u, 8u}) {
+            Scene scene;
+            const NodeId id = add_moved(scene, prism(7), 1, 1);
+            scene.refit();
+            const Node& node = scene.node(id);
+            const std::vector<Mat4d> places = scene.world_from_node_keys(id);
+            VerifiedCage report;
+            const VerifySettings settings{.seed = seed, .largest_rate = 4};
+            EscapeTest test({scene.cage(node.cages[0]), &node, nullptr, places, 1}, settings, nullptr, report, 0, 0);
+            test.run(512 * views);
+            EXPECT_EQ(report.rays, 512 * views);
+            EXPECT_EQ(test.moments_seen(), views) << "seed " << seed;
+        }
+}
+
+// Few points of this cube are far enough from its faces.
+TEST(StartSearch, TriesMorePointsWhereNoFinerLevelFollows)
+{
+    CageSlot slot;
+    slot.cage = creased_cube(10);
+    const Mat4d place(1);
+    Subject subject({slot, nullptr, nullptr, {&place, 1}, 0}, nullptr, 0);
+    for (const bool is_last : {false, true}) {
+        int found = 0;
+        for (std::uint64_t seed = 0; seed < 20; ++seed) {
+            occam::Random random(seed);
+            Instant instant;
+            for (int k = 0; k < 4; ++k) instant.pairs.push_back(subject.dice(subject.level_of_rate(8) + k, 0));
+            StartSearch(instant, subject, 4096, random).anywhere(is_last);
+            EXPECT_EQ(instant.has_inside, !instant.starts.empty());
+            found += instant.has_inside;
+        }
+        if (is_last) EXPECT_GE(found, 18);
+        else EXPECT_LE(found, 12);
+    }
 }
 
 // Of the box of such a cage little is farther from its faces than edges are long. So points are tried behind faces, and
