@@ -74,7 +74,7 @@ bool EscapeTest::was_out_before(const accel::Ray& ray, const accel::SurfaceHit& 
     const Vec3d along = glm::normalize(Vec3d(ray.direction));
     const Vec3d aside = std::abs(along.x) < 0.5 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0);
     const Vec3d x = glm::normalize(glm::cross(along, aside)), y = glm::cross(along, x);
-    const double step = 0x1p-18 * double(subject_.posed().radius);
+    const double step = 0x1p-18 * double(subject_.radius_at(ray.time));
     // Meshes finer than the finest of the test are not looked at, and displacement makes them another surface.
     const auto is_finer = [&](double t) {
         return double(ray.footprint.a) + double(ray.footprint.b) * t < double(lod::edge_length(finest_));
@@ -92,8 +92,10 @@ bool EscapeTest::was_out_before(const accel::Ray& ray, const accel::SurfaceHit& 
 
 bool EscapeTest::make_table(const accel::Ray& ray, lod::RayLevels<float>& table) const
 {
-    const auto far = static_cast<float>(4 * subject_.posed().radius);
-    if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, far, levels_)) return false;
+    const float far = 4 * subject_.radius_at(ray.time);
+    // The tree's frame is about the eye, which a cage may leave far behind.
+    const float coordinate = std::max(far, static_cast<float>(glm::distance(ray.origin, levels_.eye)));
+    if (!table.set({ray.footprint.a, ray.footprint.b}, 0, far, coordinate, levels_)) return false;
     table.make();
     return true;
 }
@@ -113,7 +115,7 @@ double EscapeTest::winding_of(const accel::Ray& ray, Vec3d from_start)
 {
     lod::RayLevels<float> table;
     if (!make_table(ray, table)) return 1;
-    const Vec3d from = ray.origin - subject_.posed().anchor;
+    const Vec3d from = ray.origin - subject_.anchor_at(ray.time);
     return winding_number_of_ray(from + from_start, from, glm::normalize(Vec3d(ray.direction)), table, finest_,
                                  [&](int level) -> const std::vector<lod::LevelGrid>& {
                                      auto [at, is_new] = diced_.try_emplace({ray.time, level});

@@ -329,7 +329,7 @@ accel::Ray EscapeTest::next_ray(const View& view)
     }
     accel::Ray ray;
     ray.time = instant.time;
-    ray.origin = subject_.posed().anchor + start.at;
+    ray.origin = subject_.anchor_at(instant.time) + start.at;
     ray.footprint = {static_cast<float>(a), static_cast<float>(b)};
 
     // The target moves with the blend, which depends on the direction: a few steps make both agree.

@@ -15,7 +15,7 @@ namespace occam {
 /// The ray's pairs are cut at its transitions, the planes at distance t along it, and the solid angles of the pieces
 /// are summed. Pairs finer than `finest` are replaced by `finest`: pieces that small change nothing.
 ///
-/// from    is the origin of the ray.
+/// from    is the origin of the ray, in the frame of the grids.
 /// table   is the ray's table, already made.
 /// dice    returns all grids of a cage for the pair of a level and the next one.
 double winding_number_of_ray(Vec3d point, Vec3d from, Vec3d direction, const lod::RayLevels<float>& table, int finest,

@@ -3,7 +3,7 @@
 // A point needs room on all sides, since the coarser meshes that rays see from there may pass by it. A few points anywhere
 // in a cage of many parts, or of thin ones, see few of its faces. So points are looked for behind faces, too.
 //
-// Space    the cage's dicing frame.
+// Space    world axes, from the anchor of the cage at its moment (Subject::anchor_at).
 #pragma once
 
 #include <limits>

@@ -127,9 +127,8 @@ lod::LevelGrid Subject::grid_at(const lod::TileRef& tile, const lod::PatchRates&
 lod::LevelGrid Subject::image_at(lod::LevelGrid grid, float time) const
 {
     const lod::AffinePose pose = posed_->still_pose->affine->at(time);
-    const Vec3d shift = pose.anchor - posed_->anchor;
     const auto move = [&](float* const(&p)[3], int v) {
-        const Vec3d moved = pose.apply({p[0][v], p[1][v], p[2][v]}) + shift;
+        const Vec3d moved = pose.apply({p[0][v], p[1][v], p[2][v]});
         for (int a = 0; a < 3; ++a) p[a][v] = static_cast<float>(moved[a]);
     };
     const bool blends = grid.blends();
@@ -138,6 +137,18 @@ lod::LevelGrid Subject::image_at(lod::LevelGrid grid, float time) const
         if (blends) move(grid.coarse, v);
     }
     return grid;
+}
+
+Vec3d Subject::anchor_at(float time) const noexcept
+{
+    return posed_->still_pose ? posed_->still_pose->affine->at(time).anchor : posed_->anchor;
+}
+
+float Subject::radius_at(float time) const noexcept
+{
+    if (posed_->segments == 0) return posed_->radius;
+    const int key = lod::key_time(time, posed_->segments).key;
+    return std::max(posed_->keys[key].radius, posed_->keys[key + 1].radius);
 }
 
 std::size_t Subject::corner_count(int level) const

@@ -54,7 +54,12 @@ public:
     };
     /// Returns the number of corners that a pair has at this level.
     std::size_t corner_count(int level) const;
-    /// Returns the whole cage at a pair of levels, as rays of this moment see it.
+    /// Returns the place of the origin of the diced cage's frame at that moment. A cage that flies far takes its frame with
+    /// it, so that its coordinates stay small.
+    Vec3d anchor_at(float time) const noexcept;
+    /// Returns the radius of a ball that holds the cage at that moment, with which coordinates are rounded.
+    float radius_at(float time) const noexcept;
+    /// Returns the whole cage at a pair of levels, as rays of this moment see it, about the anchor of the moment.
     Pair dice(int level, float time);
 
 private:

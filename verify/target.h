@@ -1,6 +1,6 @@
 // Chooses points of a diced mesh at which rays are aimed: the places where two triangles meet.
 //
-// Space    the cage's dicing frame.
+// Space    world axes, from the anchor of the cage at its moment (Subject::anchor_at).
 #pragma once
 
 #include <random>
