@@ -16,7 +16,7 @@ Json json_of(const VerifiedCage& c, const VerifyArguments& a)
     Json entry = {{"node", c.node}, {"cage", c.cage}, {"faces", c.faces}};
     if (!c.not_testable.empty()) {
         entry["not_testable"] = c.not_testable;
-        return entry;
+        if (c.rays == 0) return entry;  // else its test ended with an error
     }
     entry.update({{"starts", c.starts},
                   {"faces_not_met", c.faces_not_met},
@@ -78,7 +78,7 @@ int run(const VerifyArguments& a)
         std::cout << tested << " of " << cages.size() << " cages tested, " << rays << " rays, " << escaped << " escaped, "
                   << not_finite << " not finite\n";
     }
-    if (tested == 0)
+    if (tested == 0 && escaped + not_finite == 0)
         throw Error(name_of_scene(a),
                     cages.empty() ? "has no cage to test" : "none of its cages can be tested, so nothing was shown");
     return escaped + not_finite > 0 ? 1 : 0;

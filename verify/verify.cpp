@@ -5,6 +5,7 @@
 #include <string>
 
 #include "accel/placement.h"
+#include "base/error.h"
 #include "base/error_without_file.h"
 #include "scenegraph/foreign_texture.h"
 #include "verify/closed.h"
@@ -58,14 +59,20 @@ void for_each_size(const ShownCage& shown, const VerifySettings& settings, const
     }
 }
 
-/// Tests the cage with the same part of the rays at each size.
+/// Tests the cage with the same part of the rays at each size. An error ends the test of this cage alone.
 void test_each_size(const ShownCage& shown, const VerifySettings& settings, const TextureStore* textures,
                     VerifiedCage& report, std::size_t number = 0)
 {
-    for_each_size(shown, settings, textures, report, number, [&](EscapeTest& test, std::size_t size, std::size_t sizes) {
-        test.run(settings.rays * (size + 1) / sizes);
-        return true;
-    });
+    try {
+        for_each_size(shown, settings, textures, report, number, [&](EscapeTest& test, std::size_t size, std::size_t sizes) {
+            test.run(settings.rays * (size + 1) / sizes);
+            return true;
+        });
+    } catch (const Error& e) {
+        report.not_testable = report.rays == 0
+                                  ? e.what()
+                                  : "its test ended after " + std::to_string(report.rays) + " rays: " + e.what();
+    }
 }
 
 }  // namespace

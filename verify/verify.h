@@ -36,7 +36,9 @@ struct VerifySettings {
 struct VerifiedCage {
     std::string node, cage;  ///< names
     std::uint64_t faces = 0;
-    std::string not_testable;  ///< the reason; empty if the cage was tested
+    /// The reason; empty if the cage was tested. If its test ended with an error, as for want of memory, this says so, and
+    /// rays that were sent before count all the same.
+    std::string not_testable;
     std::uint64_t starts = 0;  ///< points inside from which rays start
     /// The number of faces that no ray met, at the size of the cage at which there are most of them. Points inside are
     /// looked for behind faces that were not met, until all are, or the finer meshes that this takes would be too large.
@@ -84,7 +86,8 @@ VerifiedCage verify(const Cage& cage, const Mat4d& world_from_object, const Veri
                     const TextureStore* textures = nullptr);
 
 /// Tests every cage of a scene, in each of its placements and poses. If the scene has a shutter, rays see the cages at
-/// several moments of it. Refits the bounds of the scene.
+/// several moments of it. Refits the bounds of the scene. An Error of one cage's test is reported as its reason not to be
+/// testable; throws Error for a cage that cannot be made, and for a displacement that cannot be read.
 std::vector<VerifiedCage> verify(Scene& scene, const VerifySettings& settings);
 
 /// Traces a ray of the test again, as the line describes it (verify/ray_line.h), and writes to `out` what it does. Of the

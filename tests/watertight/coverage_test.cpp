@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "tests/support/creased_cages.h"
 #include "tests/support/shape_builders.h"
@@ -107,6 +109,28 @@ TEST(Coverage, RaysThatLeaveIntoACavityOrTowardsAnotherPartEscape)
     join(hollow, creased_cube(10), 0.4f, {0, 0, 0});
     for (const std::uint32_t face : {7u, 13u}) EXPECT_GT(tested_with_a_hole(hollow, face).escaped, 0u) << face;
     EXPECT_TRUE(verified(hollow, 5'000).holds());
+}
+
+// A cage that flies a hundred million times its size is in large boxes everywhere, so its rays meet all of it at once.
+TEST(Coverage, AnErrorOfOneCageLeavesTheOthersToBeTested)
+{
+    Scene scene;
+    scene.add_node(scene.root(), {.name = "still", .cages = {scene.add(prism(7))}});
+    const NodeId flies = scene.add_node(scene.root(), {.name = "flies", .cages = {scene.add(torus(5, 3))}});
+    scene.record_shutter(1, [&](double tau) {
+        Trs place;
+        place.translation = {1e8 * tau, 0, 0};
+        scene.set_transform(flies, place);
+    });
+    const std::vector<VerifiedCage> found = verify(scene, {.rays = 512, .largest_rate = 4});
+    ASSERT_EQ(found.size(), 2u);
+    for (const VerifiedCage& cage : found) {
+        const bool is_still = cage.node == "still";
+        const bool is_refused = cage.not_testable.find("one ray meets more surfaces") != std::string::npos;
+        EXPECT_EQ(cage.not_testable.empty(), is_still) << cage.not_testable;
+        EXPECT_EQ(is_refused, !is_still) << cage.not_testable;
+        EXPECT_EQ(cage.rays, is_still ? 512u : 0u);
+    }
 }
 
 // Overlapping parts have winding numbers of 2. A ray that goes from one into the other hits a front side, and is right.
