@@ -135,6 +135,7 @@ struct AccessorReader::Layout : Elements {};
 AccessorReader::AccessorReader(const tinygltf::Model& model, const Report& report)
     : model_(model), report_(report), expansion_bytes_(most_bytes()), copies_(report)
 {
+    for (const tinygltf::Buffer& buffer : model_.buffers) copies_.allow_copies_of(buffer.data.size());
 }
 
 std::size_t AccessorReader::most_bytes() const

@@ -1,31 +1,12 @@
 #include "io/import/gltf_cage_files.h"
 
+#include "io/import/cage_bytes.h"
 #include "io/import/files.h"
 #include "io/import/gltf_uri.h"
 #include "io/import/obj.h"
 #include "io/import/polygons.h"
 
 namespace occam::import {
-
-namespace {
-
-template <class T>
-std::size_t bytes_of(const std::vector<T>& list)
-{
-    return list.size() * sizeof(T);
-}
-
-std::size_t bytes_of(const Cage& cage)
-{
-    std::size_t bytes = sizeof(Cage) + cage.name.size() + bytes_of(cage.positions) + bytes_of(cage.face_sizes) +
-                        bytes_of(cage.face_vertices) + bytes_of(cage.creases) + bytes_of(cage.corners) +
-                        bytes_of(cage.holes) + bytes_of(cage.normals) + bytes_of(cage.colors) +
-                        bytes_of(cage.color_indices) + bytes_of(cage.materials) + bytes_of(cage.face_slots);
-    for (const UvSet& set : cage.uv_sets) bytes += bytes_of(set.values) + bytes_of(set.indices);
-    return bytes;
-}
-
-}  // namespace
 
 const std::string& CageFiles::canonical(const std::string& name, const std::string& where)
 {

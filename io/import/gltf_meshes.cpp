@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "io/import/cage_bytes.h"
 #include "io/import/file_colors.h"
 #include "io/import/gltf_door.h"
 #include "io/import/gltf_value.h"
@@ -146,32 +147,56 @@ const std::vector<CageId>& MeshImporter::cages(int mesh, const CageStyle& style)
     if (!is_new || mesh < 0 || static_cast<std::size_t>(mesh) >= model_.meshes.size()) return ids;
     const tinygltf::Mesh& m = model_.meshes[static_cast<std::size_t>(mesh)];
     const std::string where = named_element("meshes", static_cast<std::size_t>(mesh), m.name);
-    const bool is_cage = style.scheme ? *style.scheme != CageStyle::Scheme::None : options_.subdivide == Subdivide::On;
+    const bool is_subdivided = style.scheme ? *style.scheme != CageStyle::Scheme::None : options_.subdivide == Subdivide::On;
+    if (const auto source = sources_.find({mesh, is_subdivided}); source != sources_.end()) {
+        for (const CageId id : source->second) ids.push_back(add(copy(id, where, is_subdivided), style, where));
+        return ids;
+    }
+    for (Cage& cage : made(m, where, is_subdivided)) ids.push_back(add(std::move(cage), style, where));
+    sources_.try_emplace({mesh, is_subdivided}, ids);
+    return ids;
+}
 
-    // Accessors are charged for what they hold. A second style makes all cages of a mesh anew.
-    const std::size_t again = meshes_with_cages_.insert(mesh).second ? 0 : sizeof(CageSlot) + kBytesBesideASlot;
-    accessors_.copies().charge(m.primitives.size(), m.name.size() + again, where);
+std::vector<Cage> MeshImporter::made(const tinygltf::Mesh& mesh, const std::string& where, bool is_subdivided)
+{
+    accessors_.copies().charge(mesh.primitives.size(), mesh.name.size(), where);  // accessors are charged for what they hold
     std::vector<Cage> made;
-    for (std::size_t p = 0; p < m.primitives.size(); ++p) {
-        std::optional<PrimitiveCage> part = read(m.primitives[p], where + ".primitives[" + std::to_string(p) + "]");
+    for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
+        std::optional<PrimitiveCage> part = read(mesh.primitives[p], where + ".primitives[" + std::to_string(p) + "]");
         if (!part) continue;
-        part->cage.name = m.name;
-        if (is_cage) restore_polygons(part->cage, part->has_polygons);
+        part->cage.name = mesh.name;
+        if (is_subdivided) restore_polygons(part->cage, part->has_polygons);
         made.push_back(std::move(part->cage));
     }
-    if (is_cage) made = joined(std::move(made), where);
+    if (is_subdivided) made = joined(std::move(made), where);
     for (Cage& cage : made) {
-        if (!is_cage) {
+        if (!is_subdivided) {
             drop_same_triangles(cage, report_);
             check_boxes(cage, report_);
         }
-        const auto weights = std::span(m.weights).first(std::min(m.weights.size(), cage.morph_targets.size()));
+        const auto weights = std::span(mesh.weights).first(std::min(mesh.weights.size(), cage.morph_targets.size()));
         for (const double weight : weights) cage.morph_weights.push_back(static_cast<float>(weight));
-        style.apply(cage);
-        if (style.displacement) cage.displacement = materials_.displacement(*style.displacement, where);
-        ids.push_back(scene_.add(std::move(cage)));
     }
-    return ids;
+    return made;
+}
+
+Cage MeshImporter::copy(CageId source, const std::string& where, bool is_subdivided)
+{
+    const Cage& from = scene_.cage(source).cage;
+    accessors_.copies().charge(1, bytes_of(from) + sizeof(CageSlot) + kBytesBesideASlot, where);
+    Cage cage = from;
+    const Cage none;
+    cage.scheme = is_subdivided ? Scheme::CatmullClark : Scheme::Triangles;
+    cage.boundary = none.boundary, cage.face_varying = none.face_varying;
+    cage.displacement.reset();
+    return cage;
+}
+
+CageId MeshImporter::add(Cage cage, const CageStyle& style, const std::string& where)
+{
+    style.apply(cage);
+    if (style.displacement) cage.displacement = materials_.displacement(*style.displacement, where);
+    return scene_.add(std::move(cage));
 }
 
 std::vector<Cage> MeshImporter::joined(std::vector<Cage> parts, const std::string& where)

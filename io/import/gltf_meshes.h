@@ -3,7 +3,6 @@
 
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,7 +25,8 @@ public:
     void set_variant(int variant) noexcept { variant_ = variant; }
 
     /// Returns one cage for each primitive. If the mesh is to be subdivided it is one cage, or two where only some
-    /// primitives have joints. They are made once for each (mesh, style).
+    /// primitives have joints. They are made once for each (mesh, style): the primitives are read for the first style, and
+    /// other styles get copies of its cages, which are charged.
     const std::vector<CageId>& cages(int mesh, const CageStyle& style);
 
 private:
@@ -34,6 +34,11 @@ private:
         Cage cage;                  ///< Scheme::Triangles
         bool has_polygons = false;  ///< FB_ngon_encoding
     };
+    /// Makes the cages of a mesh without a style.
+    std::vector<Cage> made(const tinygltf::Mesh& mesh, const std::string& where, bool is_subdivided);
+    /// Returns a charged copy of a cage of another style, without that style.
+    Cage copy(CageId source, const std::string& where, bool is_subdivided);
+    CageId add(Cage cage, const CageStyle& style, const std::string& where);
     /// Joins the primitives of a mesh that is to be subdivided, so that no crease is between them, and welds their vertices.
     /// A skin moves a primitive as a whole or not at all, so those with joints are apart from those without.
     std::vector<Cage> joined(std::vector<Cage> parts, const std::string& where);
@@ -62,7 +67,7 @@ private:
     const LoadOptions& options_;
     int variant_ = -1;
     std::map<std::pair<int, CageStyle>, std::vector<CageId>> cages_;
-    std::set<int> meshes_with_cages_;
+    std::map<std::pair<int, bool>, std::vector<CageId>> sources_;  ///< the first, by mesh and whether it is subdivided
 };
 
 }  // namespace occam::import
