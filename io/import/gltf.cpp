@@ -281,19 +281,19 @@ private:
 
     void add_camera(const tinygltf::Node& node, NodeDesc& desc)
     {
-        if (node.camera < 0 || static_cast<std::size_t>(node.camera) >= model_.cameras.size()) return;
-        const tinygltf::Camera& camera = model_.cameras[static_cast<std::size_t>(node.camera)];
-        CameraLens lens;
-        if (camera.type == "orthographic") {
-            lens.orthographic = true;
+        const auto index = static_cast<std::size_t>(node.camera);
+        if (node.camera < 0 || index >= model_.cameras.size()) return;
+        const tinygltf::Camera& camera = model_.cameras[index];
+        CameraLens lens{.orthographic = camera.type == "orthographic"};
+        if (lens.orthographic) {
             lens.height = static_cast<float>(2 * std::abs(camera.orthographic.ymag));
             lens.aspect = static_cast<float>(std::abs(camera.orthographic.xmag / camera.orthographic.ymag));
         } else {
             constexpr double kWidest = 3.1;
-            if (camera.perspective.yfov > kWidest)
-                report_.warn("a camera's angle above 3.1 radians is made smaller", camera.name);
+            const auto warn = [&](const char* what) { report_.warn(what, named_element("cameras", index, camera.name)); };
+            if (camera.perspective.yfov > kWidest) warn("a camera's angle above 3.1 radians is made smaller");
             if (camera.perspective.yfov < double(kNarrowestView))
-                report_.warn("a camera's angle below 0.00001 radians is made larger", camera.name);
+                warn("a camera's angle below 0.00001 radians is made larger");
             lens.fov = std::max(static_cast<float>(std::min(camera.perspective.yfov, kWidest)), kNarrowestView);
             lens.aspect = static_cast<float>(camera.perspective.aspectRatio);
         }

@@ -27,11 +27,11 @@ public:
     Folder& folder() noexcept { return folder_; }
     bool is_strict() const noexcept { return strict_; }
 
-    void warn(const std::string& what, const std::string& where = {}) { add(what, {what, where, ", first of "}); }
+    void warn(const std::string& what, const std::string& where = {}) { add(what, what, where, ", first of "); }
     /// Keeps a kind for each file, because each has to be found by a person. It is counted as often as it is used.
     void warn_of_file(const std::string& what, const std::string& file)
     {
-        add(what + '\n' + file, {what, file, ", number of uses: "});
+        add(what + '\n' + file, what, file, ", number of uses: ");
     }
 
     /// Lists a file that is read for the scene, or that is named in it (Scene::files).
@@ -60,16 +60,18 @@ private:
         std::size_t count = 0;
     };
 
-    void add(const std::string& key, Kind kind)
+    // A place may have a very long name, so it is copied for the first of a kind only.
+    void add(const std::string& key, const std::string& what, const std::string& where, const char* counted)
     {
-        if (strict_) throw Error(name(), kind.what, kind.where);
-        if (kinds_.size() >= kMaxKinds && !index_.contains(key)) {
+        if (strict_) throw Error(name(), what, where);
+        if (const auto known = index_.find(key); known != index_.end()) {
+            ++kinds_[known->second].count;
+        } else if (kinds_.size() < kMaxKinds) {
+            index_.try_emplace(key, kinds_.size());
+            kinds_.push_back({what, where, counted, 1});
+        } else {
             ++left_out_;
-            return;
         }
-        const auto [entry, is_new] = index_.try_emplace(key, kinds_.size());
-        if (is_new) kinds_.push_back(std::move(kind));
-        ++kinds_[entry->second].count;
     }
 
     static constexpr std::size_t kMaxKinds = 1000;  // more kinds than this would not be read

@@ -132,5 +132,18 @@ TEST(MeshStyles, OfTheFirstNodeAreNotThoseOfOthers)
     }
 }
 
+// Many nodes may show a camera, so its name must not be long where it is told.
+TEST(LongNames, OfCamerasAreCutOffInWarnings)
+{
+    const TempFolder folder;
+    Gltf g;
+    g.nodes = R"({"camera": 0}, {"camera": 0})";
+    g.more = R"(, "cameras": [{"type": "perspective", "perspective": {"yfov": 3.12, "znear": 1}, "name": ")" +
+             std::string(10'000, 'a') + R"("}])";
+    const Scene scene = load(g.write(folder));
+    EXPECT_TRUE(warns(scene, "a camera's angle above 3.1 radians is made smaller (cameras[0] 'aaaa"));
+    for (const std::string& line : scene.warnings) EXPECT_LT(line.size(), 300u);
+}
+
 }  // namespace
 }  // namespace occam::test
