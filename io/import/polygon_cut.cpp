@@ -56,6 +56,8 @@ public:
     const std::vector<std::uint32_t>& corners() const { return ring_; }
     /// Returns whether a corner was taken that is no ear, or the three corners that are left run the wrong way round.
     bool crosses_itself() const { return has_forced_ || turn_at(1) < 0; }
+    /// Returns how often a corner was looked at so far.
+    std::uint64_t looks() const { return looks_; }
 
     // Finds what to cut off next: a corner where the polygon goes back to where it came from, the first ear, or where there
     // is none a corner whose triangle has no area. Cutting one off changes its two neighbours, and what a corner that is
@@ -101,7 +103,11 @@ private:
     std::optional<std::size_t> first(Is&& is) const
     {
         for (std::size_t i = 0; i < ring_.size(); ++i)
-            if (is(i)) return i;
+            if (is(i)) {
+                looks_ += i + 1;
+                return i;
+            }
+        looks_ += ring_.size();
         return std::nullopt;
     }
     std::optional<std::size_t> known_ear() const
@@ -118,7 +124,11 @@ private:
         const Vec3f a = place(before(i)), b = place(i), c = place(after(i));
         if (turn(normal_, a, b, c) <= 0) return false;
         for (std::size_t j = 0; j < ring_.size(); ++j)
-            if (j != before(i) && j != i && j != after(i) && blocks(j, a, b, c)) return false;
+            if (j != before(i) && j != i && j != after(i) && blocks(j, a, b, c)) {
+                looks_ += j + 1;
+                return false;
+            }
+        looks_ += ring_.size();
         return true;
     }
     // Returns whether another corner keeps the triangle from being cut off. One in the place of `a` or of `c` does not,
@@ -153,6 +163,7 @@ private:
     std::vector<char> is_ear_;
     int retries_ = 8;
     bool may_touch_ = false, has_forced_ = false;
+    mutable std::uint64_t looks_ = 0;
 };
 
 // Halves a convex polygon of many corners again and again. The boxes of a fan's triangles would all overlap at one corner,
@@ -173,21 +184,24 @@ void halve(std::uint32_t corners, std::vector<std::uint32_t>& out)
 
 }  // namespace
 
-CutPolygon cut_polygon(std::span<const Vec3f> corners, std::vector<std::uint32_t>& out)
+CutPolygon cut_polygon(std::span<const Vec3f> corners, EarBudget& budget, std::vector<std::uint32_t>& out)
 {
     const std::uint32_t size = static_cast<std::uint32_t>(corners.size());
     const Vec3d n = newell_normal(corners);
     const bool needs_ears = size > 3 && !is_convex(n, corners);
-    if (needs_ears && size <= kMaxEarCorners) {
+    const bool has_few_corners = size <= kMaxEarCorners;
+    if (needs_ears && has_few_corners && !budget.is_used_up()) {
         Ring ring(n, corners);
         while (ring.size() > 3) ring.cut(ring.find_ear(), out);
         out.insert(out.end(), ring.corners().begin(), ring.corners().end());
+        budget.take(ring.looks());
         return ring.crosses_itself() ? CutPolygon::Crossing : CutPolygon::Whole;
     }
     if (size > kMaxFanCorners) halve(size, out);
     else
         for (std::uint32_t i = 1; i + 1 < size; ++i) out.insert(out.end(), {0u, i, i + 1});
-    return needs_ears ? CutPolygon::AsConvex : CutPolygon::Whole;
+    if (!needs_ears) return CutPolygon::Whole;
+    return has_few_corners ? CutPolygon::WithoutEars : CutPolygon::AsConvex;
 }
 
 }  // namespace occam::import

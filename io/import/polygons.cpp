@@ -107,12 +107,24 @@ std::string note_of_faces(const Polygons& polygons, Subdivide subdivide)
            (subdivide == Subdivide::Off ? " (--subdivide off)" : " (--subdivide on makes a Catmull-Clark surface of them)");
 }
 
+const char* fault_of(CutPolygon result)
+{
+    switch (result) {
+        case CutPolygon::Whole:
+            break;
+        case CutPolygon::Crossing:
+            return "a face crosses itself or is far from flat: its triangles may leave it";
+        case CutPolygon::AsConvex:
+            return "a concave face of more than 512 corners is cut as if it were convex";
+        case CutPolygon::WithoutEars:
+            return "a concave face is cut as if it were convex, since those before it have too many corners in all";
+    }
+    return nullptr;
+}
+
 void warn_of_cut(CutPolygon result, std::size_t face, Report& report)
 {
-    if (result == CutPolygon::Whole) return;
-    report.warn(result == CutPolygon::AsConvex ? "a concave face of more than 512 corners is cut as if it were convex"
-                                               : "a face crosses itself or is far from flat: its triangles may leave it",
-                "face " + std::to_string(face));
+    if (const char* fault = fault_of(result)) report.warn(fault, "face " + std::to_string(face));
 }
 
 }  // namespace
@@ -136,6 +148,7 @@ Cage triangulate(Polygons polygons, Report& report)
     std::vector<bool> is_hole(sizes.size(), false);
     for (std::uint32_t hole : holes)
         if (hole < is_hole.size()) is_hole[hole] = true;
+    EarBudget ears = EarBudget::of_file(vertices.size());
     std::vector<Vec3f> corners;
     std::vector<std::uint32_t> cut;
     out.face_vertices.reserve(vertices.size() * 3 / 2);
@@ -146,7 +159,7 @@ Cage triangulate(Polygons polygons, Report& report)
             const std::uint32_t v = vertices[begin + c];
             corners.push_back(v < out.positions.size() ? out.positions[v] : Vec3f(0));
         }
-        warn_of_cut(cut_polygon(corners, cut), f, report);
+        warn_of_cut(cut_polygon(corners, ears, cut), f, report);
         for (std::uint32_t c : cut) {
             out.face_vertices.push_back(vertices[begin + c]);
             for (std::size_t s = 0; s < uv_indices.size(); ++s)

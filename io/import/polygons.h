@@ -1,6 +1,12 @@
 // Polygons as a file gives them, before it is decided whether they are a cage or triangles.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "io/import/far_positions.h"
 #include "io/import/import.h"
 #include "io/import/report.h"
@@ -49,19 +55,37 @@ void add_settled(Scene& scene, Settled settled);
 void complete_normals(Polygons& polygons);
 
 /// Makes a mesh of Scheme::Triangles. Faces are cut into triangles (convex ones as a fan or by halves, others by ear
-/// clipping), holes are left out, and vertices with several normals are split. A concave face of too many corners is cut as
-/// if it were convex, with a warning, and one that crosses itself is a warning, too.
+/// clipping), holes are left out, and vertices with several normals are split. A concave face is cut as if it were convex,
+/// with a warning, if it has too many corners or the faces before it took too long; one that crosses itself is a warning,
+/// too.
 Cage triangulate(Polygons polygons, Report& report);
 
 /// Says how a polygon was cut.
 enum class CutPolygon : unsigned char {
-    Whole,     ///< its triangles cover it
-    Crossing,  ///< it crosses itself, seen along its normal, so that its triangles may leave it
-    AsConvex   ///< it is concave and has more corners than ear clipping is used for: its triangles may leave it
+    Whole,       ///< its triangles cover it
+    Crossing,    ///< it crosses itself, seen along its normal, so that its triangles may leave it
+    AsConvex,    ///< it is concave and has more corners than ear clipping is used for: its triangles may leave it
+    WithoutEars  ///< it is concave, and the budget for ear clipping is used up: its triangles may leave it
+};
+
+/// Limits the time that ear clipping takes for all polygons of a file together, since it takes the square of the corners for
+/// each. It is counted in looks at a corner, so that it does not depend on the machine.
+class EarBudget {
+public:
+    explicit EarBudget(std::uint64_t looks) : left_(looks) {}
+    /// Returns the budget of a file of so many corners, which is larger for files that are large themselves.
+    static EarBudget of_file(std::size_t corners) { return EarBudget(std::max(kLeast, kForACorner * corners)); }
+
+    bool is_used_up() const noexcept { return left_ == 0; }
+    void take(std::uint64_t looks) noexcept { left_ -= std::min(looks, left_); }
+
+private:
+    static constexpr std::uint64_t kLeast = std::uint64_t(1) << 31, kForACorner = 256;
+    std::uint64_t left_;
 };
 
 /// Appends size() - 2 triangles to `out`, as triples of indices into `corners`. The polygon may have several corners in one
 /// place, as one that goes to a hole and back has; some of the triangles may have no area.
-CutPolygon cut_polygon(std::span<const Vec3f> corners, std::vector<std::uint32_t>& out);
+CutPolygon cut_polygon(std::span<const Vec3f> corners, EarBudget& budget, std::vector<std::uint32_t>& out);
 
 }  // namespace occam::import

@@ -27,7 +27,8 @@ Areas areas_of(std::span<const Vec3f> polygon)
 {
     std::vector<std::uint32_t> cut;
     Areas areas;
-    areas.result = cut_polygon(polygon, cut);
+    EarBudget budget = EarBudget::of_file(polygon.size());
+    areas.result = cut_polygon(polygon, budget, cut);
     EXPECT_EQ(cut.size(), 3 * (polygon.size() - 2));
     for (std::size_t i = 0; i + 2 < cut.size(); i += 3) {
         const Vec3d a(polygon[cut[i]]), b = Vec3d(polygon[cut[i + 1]]) - a, c = Vec3d(polygon[cut[i + 2]]) - a;
@@ -138,7 +139,7 @@ TEST(PolygonCut, ASlitMayEndAtARepeatedCorner)
                                        {1, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
     for (std::size_t first = 0; first < square.size(); ++first) {
         std::vector<Vec3f> polygon(square);
-        std::ranges::rotate(polygon, polygon.begin() + static_cast<std::ptrdiff_t>(first));
+        std::rotate(polygon.begin(), polygon.begin() + static_cast<std::ptrdiff_t>(first), polygon.end());
         expect_whole(polygon, "from corner " + std::to_string(first));
         EXPECT_NEAR(areas_of(polygon).all, 4, 1e-9) << first;
     }
@@ -165,6 +166,36 @@ TEST(PolygonCut, AFaceThatCrossesItselfIsAWarning)
     const std::string file = "v 0 0 0\nv 3 3 0\nv 3 0 0\nv 0 1 0\nf 1 2 3 4\n";
     const Scene scene = load(folder.write("a.obj", file));
     EXPECT_TRUE(test::warns(scene, "a face crosses itself or is far from flat: its triangles may leave it (face 0)"));
+}
+
+// Few bytes of a file may be very many polygons of which each takes long.
+TEST(PolygonCut, EarsAreNotSoughtWithoutEnd)
+{
+    const std::vector<Vec3f> arrow = {{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {1, 1, 0}};
+    const std::vector<Vec3f> square = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}};
+    std::vector<std::uint32_t> cut;
+    EarBudget budget(1);
+    EXPECT_EQ(cut_polygon(arrow, budget, cut), CutPolygon::Whole);
+    EXPECT_TRUE(budget.is_used_up());
+    EXPECT_EQ(cut_polygon(arrow, budget, cut), CutPolygon::WithoutEars);
+    EXPECT_EQ(cut_polygon(square, budget, cut), CutPolygon::Whole) << "a convex polygon takes nothing";
+    EXPECT_EQ(cut.size(), 18u);
+}
+
+TEST(PolygonCut, EarsAreSoughtLongerInALargeFile)
+{
+    const std::vector<Vec3f> arrow = {{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {1, 1, 0}};
+    const auto leaves = [&](std::size_t corners, std::uint64_t looks) {
+        EarBudget budget = EarBudget::of_file(corners);
+        budget.take(looks);
+        std::vector<std::uint32_t> cut;
+        return cut_polygon(arrow, budget, cut) != CutPolygon::WithoutEars;
+    };
+    constexpr std::uint64_t kMega = 1'000'000;
+    EXPECT_TRUE(leaves(kMega, 2000 * kMega));
+    EXPECT_FALSE(leaves(kMega, 3000 * kMega));
+    EXPECT_TRUE(leaves(100 * kMega, 25'000 * kMega));
+    EXPECT_FALSE(leaves(100 * kMega, 26'000 * kMega));
 }
 
 }  // namespace
