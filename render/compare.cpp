@@ -1,7 +1,9 @@
 #include "render/compare.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -143,12 +145,34 @@ Difference no_figures(const Pair& p, const std::string& name)
     return none;
 }
 
+// Returns the value of that rank, counted from 1, among the largest differences of all pixels that can be compared. It finds
+// 16 bits of it at a time, since a list of the differences would take more memory than some of the pictures: the bits of
+// numbers that are not negative are in the order of the numbers.
+double ranked_difference(const Pair& p, std::size_t rank)
+{
+    constexpr unsigned kBits = 16;
+    std::uint64_t known = 0;
+    for (unsigned shift = 64; shift > 0;) {
+        const unsigned above = std::exchange(shift, shift - kBits);
+        std::vector<std::size_t> counts(std::size_t(1) << kBits);
+        for (std::size_t i = 0; i < p.pixels; ++i) {
+            const auto most = largest_difference(p, i);
+            if (!most) continue;
+            const auto bits = std::bit_cast<std::uint64_t>(*most);
+            if (above == 64 || bits >> above == known) ++counts[bits >> shift & ((1u << kBits) - 1)];
+        }
+        std::size_t next = 0;
+        while (rank > counts[next]) rank -= counts[next++];
+        known = known << kBits | next;
+    }
+    return std::bit_cast<double>(known);
+}
+
 Difference difference_of(const Pair& p, const std::string& name)
 {
     Difference out;
     out.layer = name;
     out.pixels = p.pixels;
-    std::vector<double> largest;
     double squares = 0, relative = 0;
     for (std::size_t i = 0; i < p.pixels; ++i) {
         const auto most = largest_difference(p, i);
@@ -156,7 +180,7 @@ Difference difference_of(const Pair& p, const std::string& name)
             ++out.incomparable;
             continue;
         }
-        largest.push_back(*most);
+        out.max = std::max(out.max, *most);
         for (std::size_t c = 0; c < p.channels(); ++c) {
             const float b = p.b.value(i, c);
             if (std::isinf(b)) continue;
@@ -165,17 +189,15 @@ Difference difference_of(const Pair& p, const std::string& name)
             relative += d * d / (double(b) * double(b) + 0.01);
         }
     }
-    if (largest.empty()) return no_figures(p, name);
-    const double values = double(largest.size()) * double(p.channels());
+    const std::uint64_t compared = out.pixels - out.incomparable;
+    if (compared == 0) return no_figures(p, name);
+    const double values = double(compared) * double(p.channels());
     out.mse = squares / values;
     out.rmse = std::sqrt(out.mse);
     out.rel_mse = relative / values;
     out.psnr = out.mse > 0 ? -10 * std::log10(out.mse) : std::numeric_limits<double>::infinity();
-    const auto rank = static_cast<std::size_t>(std::ceil(0.999 * double(largest.size())));
-    const auto nth = largest.begin() + std::ptrdiff_t(std::clamp<std::size_t>(rank, 1, largest.size()) - 1);
-    std::nth_element(largest.begin(), nth, largest.end());
-    out.p999 = *nth;
-    out.max = *std::max_element(nth, largest.end());
+    const auto rank = static_cast<std::size_t>(std::ceil(0.999 * double(compared)));
+    out.p999 = ranked_difference(p, std::clamp<std::size_t>(rank, 1, compared));
     return out;
 }
 

@@ -270,11 +270,48 @@ void decode_colors(Layer& layer, float power, bool is_multiplied)
         }
 }
 
-// Returns pixels of a file, in the order in which the picture has them.
+// Adds the layers of the picture in a file, without their values.
+void add_layers(const PictureSpec& spec, Image& image)
+{
+    for (std::size_t first = 0, end = 0; first < spec.channels.size(); first = end) {
+        const std::string name = split_channel(spec.channels[first]).first;
+        std::vector<std::string> names;
+        for (; end < spec.channels.size() && split_channel(spec.channels[end]).first == name; ++end)
+            names.push_back(split_channel(spec.channels[end]).second);
+        image.add_layer(name, std::move(names), spec.channel_type(first) == SampleType::Float);
+    }
+}
+
+// Reads the values of all layers, in the order of the file. One layer is read into its place. The values of several are
+// taken apart some rows at a time, since all of them would take as much memory as the picture.
+bool read_values(PictureReader& in, Image& image)
+{
+    const PictureSpec& spec = in.spec();
+    if (image.layers().size() == 1) return in.read_rows(0, spec.height, spec.channel_count(), image.layer(0).pixels.data());
+    constexpr int kLeastRows = 256;  // no OpenEXR file without tiles has more rows that are compressed together
+    const int tile = std::max(spec.tile_height, 1), at_once = (kLeastRows + tile - 1) / tile * tile;
+    const std::size_t width = std::size_t(spec.width), channels = spec.channels.size();
+    std::vector<float> values(width * std::size_t(std::min(at_once, spec.height)) * channels);
+    for (int y = 0, end = 0; y < spec.height; y = end) {
+        end = std::min(y + at_once, spec.height);
+        if (!in.read_rows(y, end, spec.channel_count(), values.data())) return false;
+        const float* from = values.data();
+        for (std::size_t l = 0; l < image.layers().size(); ++l) {
+            const std::size_t n = image.layer(l).channel_count();
+            float* const to = &image.layer(l).pixels[std::size_t(y) * width * n];
+            for (std::size_t i = 0; i < std::size_t(end - y) * width; ++i) std::copy_n(from + i * channels, n, to + i * n);
+            from += n;
+        }
+    }
+    return true;
+}
+
+// Returns the pixels of a layer in a file, in the order in which the picture has them.
 std::vector<float> put_in_order(std::vector<float> pixels, const PictureSpec& spec, Orientation orientation)
 {
     if (!orientation.mirrors_rows && !orientation.mirrors_columns && !orientation.swaps_axes) return pixels;
-    const auto columns = std::size_t(spec.width), rows = std::size_t(spec.height), channels = spec.channels.size();
+    const auto columns = std::size_t(spec.width), rows = std::size_t(spec.height);
+    const std::size_t channels = pixels.size() / (columns * rows);
     std::vector<float> ordered(pixels.size());
     for (std::size_t row = 0; row < rows; ++row)
         for (std::size_t column = 0; column < columns; ++column) {
@@ -335,35 +372,23 @@ Image Image::read(const fs::path& file)
     PictureReader* const in = opened.reader.get();
     PictureSpec spec = in->spec();
     if (spec.channel_count() > kMaxReadChannels) throw Error(file.string(), "is too large a picture to read");
-    const std::size_t channels = spec.channels.size();
-    const std::size_t count = std::size_t(spec.width) * std::size_t(spec.height);
-    std::vector<float> pixels(count * channels);
-    if (!in->read_rows(0, spec.height, spec.channel_count(), pixels.data()))
-        throw Error(file.string(), "cannot be read: " + in->error());
-    pixels = put_in_order(std::move(pixels), spec, opened.orientation);
     if (opened.orientation.swaps_axes) {
         std::swap(spec.width, spec.height), std::swap(spec.full_width, spec.full_height);
         std::swap(spec.x, spec.y), std::swap(spec.full_x, spec.full_y);
     }
-
     Image image(spec.width, spec.height);
     image.x0 = spec.x - spec.full_x;
     image.y0 = spec.y - spec.full_y;
     image.full_width = spec.full_width;
     image.full_height = spec.full_height;
+    add_layers(spec, image);
+    if (!read_values(*in, image)) throw Error(file.string(), "cannot be read: " + in->error());
     ImageBytes bytes(file);
     const float power = is_real(spec.type) ? 1 : in->format() == "png" ? png_power(bytes) : 0;
-    for (std::size_t first = 0; first < channels;) {
-        const std::string name = split_channel(spec.channels[first]).first;
-        std::size_t end = first;
-        std::vector<std::string> names;
-        for (; end < channels && split_channel(spec.channels[end]).first == name; ++end)
-            names.push_back(split_channel(spec.channels[end]).second);
-        Layer& layer = image.add_layer(name, std::move(names), spec.channel_type(first) == SampleType::Float);
-        const std::size_t n = end - first;
-        for (std::size_t i = 0; i < count; ++i) std::copy_n(&pixels[i * channels + first], n, &layer.pixels[i * n]);
+    for (std::size_t l = 0; l < image.layers().size(); ++l) {
+        Layer& layer = image.layer(l);
+        layer.pixels = put_in_order(std::move(layer.pixels), in->spec(), opened.orientation);
         decode_colors(layer, power, opened.has_multiplied_colors);
-        first = end;
     }
     return image;
 }

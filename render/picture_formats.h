@@ -20,10 +20,12 @@ namespace occam::render {
 /// Names the attributes of OpenEXR files, and of others, that hold the note of a picture.
 inline constexpr const char *kExrNote = "occam:note", *kNote = "ImageDescription";
 
-/// The largest picture that is read.
+/// The largest picture that is read. Two pictures of few bytes take less than 4 GB together.
 inline constexpr std::int64_t kMaxReadValues = std::int64_t(1) << 29;  // 2 GiB of floats
+inline constexpr std::int64_t kMaxReadValuesOfFewBytes = std::int64_t(1) << 28;
 inline constexpr int kMaxReadChannels = 256;
-inline constexpr ImageLimits kReadLimits = {std::uintmax_t(1) << 31, kMaxReadValues, kMaxReadValues};
+inline constexpr ImageLimits kReadLimits = {std::uintmax_t(1) << 31, kMaxReadValues, kMaxReadValues,
+                                            kMaxReadValuesOfFewBytes};
 
 struct PictureFormat {
     std::string_view extensions;  ///< in lower case, with spaces between

@@ -17,7 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // No more than a row of a picture is read here, so it may be as large as one that is written.
-constexpr ImageLimits kHeadLimits = {std::uintmax_t(1) << 31, std::uintmax_t(1) << 31, std::uintmax_t(1) << 36};
+constexpr ImageLimits kHeadLimits = {std::uintmax_t(1) << 31, std::uintmax_t(1) << 31, std::uintmax_t(1) << 36,
+                                     std::uintmax_t(1) << 36};
 
 // OpenEXR decodes a block of rows for one of them. These values are enough for all layers of the widest picture.
 constexpr int kMostRowsOfBlock = 256;

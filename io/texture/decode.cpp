@@ -29,7 +29,7 @@ const std::array<float, 256>& srgb_table()
     return table;
 }
 
-constexpr ImageLimits kLimits = {kMaxTextureSide, kMaxTextureTexels, kMaxTextureTexels * 4};
+constexpr ImageLimits kLimits = {kMaxTextureSide, kMaxTextureTexels, kMaxTextureTexels * 4, kMaxTextureTexels * 4};
 
 // Says which channels of an image are the colours of a texel and its alpha; -1: there is none.
 struct ChannelPlaces {

@@ -32,6 +32,9 @@ constexpr std::uintmax_t kAlwaysAllowedTexels = std::uintmax_t(1) << 24;
 constexpr std::uintmax_t kMostScannedTexels = std::uintmax_t(1) << 32, kLeastScannedTexels = std::uintmax_t(1) << 16;
 constexpr std::uintmax_t kLeastChargedTexels = std::uintmax_t(1) << 12;
 
+// Few bytes may be pictures that take gigabytes, of which ordinary ones have far more bytes than this.
+constexpr std::uintmax_t kValuesPerByte = 16, kLeastValuesOfTexel = 4;
+
 constexpr std::uintmax_t kMostTileValues = std::uintmax_t(1) << 26;
 
 class Opener {
@@ -108,6 +111,16 @@ private:
         if (wide > limits_.side || high > limits_.side || wide * high > limits_.texels)
             refuse("image is larger than is read: " + size);
         if (declares_too_much(wide * high, bytes_.size())) refuse("image declares far more than the file holds: " + size);
+        check_few_bytes(wide * high, kLeastValuesOfTexel);
+    }
+
+    // All values of a picture that is compared are in memory, beside those of another one.
+    void check_few_bytes(std::uintmax_t texels, std::uintmax_t channels) const
+    {
+        const std::uintmax_t values = texels * std::max(channels, kLeastValuesOfTexel);
+        if (values > limits_.values_of_few_bytes && bytes_.size() < values / kValuesPerByte)
+            refuse("image has more values than are read from a file of " + std::to_string(bytes_.size()) +
+                   " bytes: " + std::to_string(texels) + " pixels");
     }
 
     bool is_read_as_a_whole()
@@ -163,6 +176,8 @@ private:
         if (static_cast<std::uintmax_t>(width) * static_cast<std::uintmax_t>(height) >
             limits_.values / static_cast<std::uintmax_t>(std::max(channels, 1)))
             refuse("image has more channels than are read at its size: " + std::to_string(channels));
+        check_few_bytes(static_cast<std::uintmax_t>(width) * static_cast<std::uintmax_t>(height),
+                        static_cast<std::uintmax_t>(std::max(channels, 1)));
     }
 
     void check_spec(const PictureSpec& spec) const

@@ -19,6 +19,8 @@ namespace occam {
 struct ImageLimits {
     std::uintmax_t side, texels;
     std::uintmax_t values;  ///< texels times channels
+    /// The same for a file of less than a byte for 16 values, where a texel counts as four values at least.
+    std::uintmax_t values_of_few_bytes;
 };
 
 /// An opened image. Its reader may refer to the bytes.

@@ -109,7 +109,7 @@ TEST(LongImages, AreRefusedBeforeTheyAreRead)
 
 TEST(LongImages, MayBeAsLongAsTheirPicturesNeed)
 {
-    constexpr ImageLimits kLimits = {16384, std::uintmax_t(1) << 27, std::uintmax_t(1) << 29};
+    constexpr ImageLimits kLimits = {16384, std::uintmax_t(1) << 27, std::uintmax_t(1) << 29, std::uintmax_t(1) << 29};
     const auto megabytes = [&](std::string_view format, const std::string& head) {
         ImageBytes bytes(std::as_bytes(std::span(head)));
         return (most_bytes_of_file(bytes, format, kLimits) - kMostBytesBesidePicture) >> 20;

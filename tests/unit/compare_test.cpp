@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "base/vec.h"
@@ -44,6 +46,28 @@ TEST(Compare, FiguresFollowTheirDefinitions)
     EXPECT_EQ(d.p999, 0) << "the 999th of 1000";
     a.layer(0).pixels[0] = 0.75f;
     EXPECT_EQ(compare(a, b, "beauty").p999, 0.25) << "the 999th of 1000";
+}
+
+// Differences of all sizes, of which many are equal.
+TEST(Compare, ThePercentileIsThatOfASortedList)
+{
+    const Image b = flat(100, 50, 0.0f);
+    for (const int kinds : {3, 40, 100'000}) {
+        Image a = b;
+        std::vector<double> sorted;
+        std::uint32_t random = 7;
+        for (std::size_t i = 0; i < 5000; ++i) {
+            random = random * 1664525 + 1013904223;
+            const int kind = static_cast<int>((random >> 8) % static_cast<std::uint32_t>(kinds));
+            const float value = std::ldexp(1.0f + static_cast<float>(kind) / 1000.0f, kind % 60 - 30);
+            a.layer(0).pixels[3 * i + i % 3] = i % 2 ? value : -value;
+            sorted.push_back(double(value));
+        }
+        std::sort(sorted.begin(), sorted.end());
+        const auto d = compare(a, b, "beauty");
+        EXPECT_EQ(d.p999, sorted[4994]) << kinds;
+        EXPECT_EQ(d.max, sorted[4999]) << kinds;
+    }
 }
 
 TEST(Compare, WhatIsNotANumberIsCountedAndLeftOut)
