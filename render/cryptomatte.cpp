@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <unordered_set>
 
 #include "base/json_document.h"
 #include "scenegraph/shown_nodes.h"
@@ -49,6 +50,7 @@ std::string manifest_of(Aov aov, const Scene& scene)
             if (const Material* material = scene.find(id)) add(matte_name(*material));
     };
     if (aov == Aov::CryptomatteMaterial) add(matte_name(Material()));
+    std::unordered_set<CageId> cages;  // those whose materials were added
     for_each_shown_node(scene, 0, [&](NodeId id, const Node& node) {
         if (node.cages.empty()) return;
         if (aov == Aov::CryptomatteObject) {
@@ -57,7 +59,8 @@ std::string manifest_of(Aov aov, const Scene& scene)
         }
         add_materials(node.materials);
         for (const CageId cage : node.cages)
-            if (const CageSlot* slot = scene.find(cage)) add_materials(slot->cage.materials);
+            if (const CageSlot* slot = scene.find(cage); slot && cages.insert(cage).second)
+                add_materials(slot->cage.materials);
     });
     return manifest.dump();
 }

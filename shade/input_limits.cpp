@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <unordered_set>
 #include <variant>
 
 #include "base/overloaded.h"
@@ -104,11 +105,12 @@ std::vector<std::string> input_warnings(const Scene& scene, const TextureStore& 
         for (const MaterialId id : ids)
             if (const Material* m = scene.find(id)) materials.insert(m);
     };
+    std::unordered_set<CageId> cages;  // those that were looked at: many nodes may show one of many materials
     constexpr Contents::Kinds kKinds = Contents::OverLimit | Contents::Emitters | Contents::Lights;
     for_each_shown_node(scene, kKinds, [&](NodeId, const Node& node) {
         look(node.materials);
         for (const CageId id : node.cages)
-            if (const CageSlot* slot = scene.find(id)) look(slot->cage.materials);
+            if (const CageSlot* slot = scene.find(id); slot && cages.insert(id).second) look(slot->cage.materials);
         if (const Light* light = scene.find(node.light)) lights.insert(light);
     });
     const auto too_white = std::count_if(materials.begin(), materials.end(),
