@@ -70,7 +70,7 @@ public:
             if (!nodes_[n] || index < 0 || static_cast<std::size_t>(index) >= skins.size()) continue;
             const SkinId skin = skins[static_cast<std::size_t>(index)];
             if (!skin) continue;  // it was left out
-            paths.charge_wearer(nodes_[n], scene_.skin(skin).joints[0], "nodes[" + std::to_string(n) + "]");
+            paths.charge_wearer(nodes_[n], scene_.skin(skin).joints, "nodes[" + std::to_string(n) + "]");
             scene_.set_skin(nodes_[n], skin);
             check_joints(n, skin);
         }

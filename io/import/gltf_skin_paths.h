@@ -16,16 +16,18 @@ public:
     /// Charges the nodes from each joint up to the nearest joint of the skin, or else to the root. Throws Error, naming the
     /// element, if they are too many.
     void charge_joints(const std::vector<NodeId>& joints, const std::string& where);
-    /// Charges the nodes above one that wears a skin, and those above one of its joints, likewise.
-    void charge_wearer(NodeId wearer, NodeId joint, const std::string& where);
+    /// Charges the nodes above one that wears a skin, those above one of its joints, and all of its joints, likewise: the
+    /// bounds of what is worn hold what each joint moves.
+    void charge_wearer(NodeId wearer, const std::vector<NodeId>& joints, const std::string& where);
 
 private:
+    void charge(std::size_t nodes, const std::string& where);
     template <class IsEnd>
     void charge_path(NodeId node, const std::string& where, IsEnd&& is_end);
 
     const Scene& scene_;
     const Report& report_;
-    std::size_t left_ = std::size_t(1) << 26;
+    std::size_t left_ = std::size_t(1) << 24;
 };
 
 }  // namespace occam::import

@@ -68,7 +68,7 @@ TEST(GltfSkins, TheLastRowOfAnInverseBindMatrixIsMended)
 }
 
 // nodes[2] and those after it are a chain. At its end are the joints, or else what wears the skins.
-Gltf skins_below_a_chain(int length, int joints, int skins, int wearers)
+Gltf skins_below_a_chain(int length, int joints, int skins, int wearers, int worn = 0)
 {
     const auto list = [](int first, int count) {
         std::string text = "[";
@@ -80,7 +80,7 @@ Gltf skins_below_a_chain(int length, int joints, int skins, int wearers)
     for (int i = 2; i < end; ++i) g.nodes += R"(,{"children":)" + list(i + 1, 1) + "}";
     g.nodes += R"(,{"children":)" + list(first, joints + wearers) + "}";
     for (int i = 0; i < joints; ++i) g.nodes += ",{}";
-    for (int i = 0; i < wearers; ++i) g.nodes += R"(,{"mesh":0,"skin":0})";
+    for (int i = 0; i < wearers; ++i) g.nodes += R"(,{"mesh":0,"skin":)" + std::to_string(worn) + "}";
     g.more = R"(, "skins": [{"joints": [1]})";
     const std::string far_joints = list(first, joints);
     for (int i = 0; i < skins; ++i) g.more += R"(,{"joints":[1,)" + far_joints.substr(1) + "}";
@@ -92,9 +92,12 @@ TEST(GltfSkins, BelowTooManyNodesAreRefused)
 {
     const TempFolder folder;
     EXPECT_EQ(error_of(skins_below_a_chain(1000, 100, 20, 500).write(folder)), "");
-    const std::string why = "there are too many nodes above the joints of skins and above what wears them (";
-    EXPECT_NE(error_of(skins_below_a_chain(4000, 100, 200, 0).write(folder)).find(why + "skins[168])"), std::string::npos);
-    EXPECT_NE(error_of(skins_below_a_chain(4000, 100, 167, 100).write(folder)).find(why + "nodes["), std::string::npos);
+    const std::string why =
+        "there are too many nodes above the joints of skins and above what wears them, or too many joints in what is worn (";
+    EXPECT_NE(error_of(skins_below_a_chain(4000, 100, 50, 0).write(folder)).find(why + "skins[42])"), std::string::npos);
+    EXPECT_NE(error_of(skins_below_a_chain(4000, 100, 41, 100).write(folder)).find(why + "nodes["), std::string::npos);
+    EXPECT_NE(error_of(skins_below_a_chain(1, 5000, 1, 4000, 1).write(folder)).find(why + "nodes["), std::string::npos)
+        << "each wearer has as many joints as its skin";
 }
 
 TEST(GltfSkins, InstancesThatCannotBeDeformedAreNamed)
