@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -25,6 +26,21 @@ void for_each_face(const Cage& cage, Visit&& visit)
         visit(std::span<const std::uint32_t>(cage.face_vertices).subspan(first, size), first);
         first += size;
     }
+}
+
+/// Returns the area of a polygon: half the length of the sum of its corners' cross products.
+/// at   returns the place of a corner by its number
+template <class At>
+double polygon_area(std::size_t corners, At&& at) noexcept
+{
+    const Vec3d origin = at(0);
+    Vec3d sum(0), before = at(1) - origin;
+    for (std::size_t corner = 2; corner < corners; ++corner) {
+        const Vec3d next = at(corner) - origin;
+        sum += glm::cross(before, next);
+        before = next;
+    }
+    return 0.5 * glm::length(sum);
 }
 
 }  // namespace occam

@@ -54,9 +54,14 @@ struct Contents {
     /// volume of the box around them all. See depth_in().
     double held = 0;
     double most_depth = 0;  ///< the largest depth_in() of the nodes
-    /// The sum over all that is placed below of vertices times morph targets whose weight is not 0, for each key of a
-    /// shutter in which the weights change. A frame may add up that many offsets.
-    double morph_offsets = 0;
+    /// The same by areas: they count by the number of them that a ray passes times the area of the box around them all. See
+    /// passed_in().
+    double passed = 0;
+    double most_passed = 0;  ///< the largest passed_in() of the nodes
+    /// The sum over all that is placed below of the terms that a frame may add up to pose the vertices: vertices times morph
+    /// targets whose weight is not 0, and four for each set of joints that a vertex has; for each key of a shutter in which
+    /// the weights change or the joints move.
+    double pose_terms = 0;
 
     void add(const Contents& other) noexcept
     {
@@ -73,7 +78,9 @@ struct Contents {
         most_layers = std::max(most_layers, other.most_layers);
         held += other.held;
         most_depth = std::max(most_depth, other.most_depth);
-        morph_offsets += other.morph_offsets;
+        passed += other.passed;
+        most_passed = std::max(most_passed, other.most_passed);
+        pose_terms += other.pose_terms;
     }
     /// Adds what is placed below as a whole: `box` is its box in the axes of this node, and `own` its box in its own axes.
     /// stretch   the largest factor by which its placement lengthens anything
@@ -83,6 +90,7 @@ struct Contents {
         placed.poles = other.poles.scaled(stretch);
         placed.crossed = other.layers_in(own) * size_of(box);
         placed.held = other.depth_in(own) * volume_of(box);
+        placed.passed = other.passed_in(own) * area_of(box);
         ++placed.levels;
         add(placed);
     }
@@ -100,6 +108,16 @@ struct Contents {
         const double volume = volume_of(box), depth = held / volume;
         return volume > 0 && std::isfinite(depth) ? depth : 0;
     }
+    /// Returns about how many surfaces that light may pass a ray meets which crosses the node's box somewhere. Each counts
+    /// by its area, and so do those of a flat box: a ray has to be shaded at each of them. It is 0 for a box without an
+    /// area.
+    double passed_in(const Box3d& box) const noexcept
+    {
+        const double passes = passed / area_of(box);
+        return std::isfinite(passes) ? passes : 0;
+    }
+    /// Returns half the area of a box.
+    static double area_of(const Box3d& box) noexcept { return box.is_empty() ? 0 : box.half_area(); }
     static double volume_of(const Box3d& box) noexcept
     {
         if (box.is_empty()) return 0;
@@ -123,9 +141,11 @@ inline constexpr double kMostLayers = 1 << 14;
 /// The most boxes of surfaces that light may pass in which a point may lie, by Contents::depth_in(); a frame with more is
 /// refused, since each ray starts again behind each of these surfaces.
 inline constexpr double kMostDepth = 1 << 11;
-/// The most offsets of morph targets that a frame may have to add up, by Contents::morph_offsets; a frame with more is
-/// refused.
-inline constexpr double kMostMorphOffsets = 0x1p34;
+/// The most surfaces that light may pass and that a ray may have to meet in a node, by Contents::passed_in(); a frame with
+/// more is refused, since the ray is shaded at each of them.
+inline constexpr double kMostPassed = 1 << 9;
+/// The most terms that a frame may have to add up to pose vertices, by Contents::pose_terms; a frame with more is refused.
+inline constexpr double kMostPoseTerms = 0x1p34;
 /// The most placements that are listed one by one (of lights, of emitters, of displaced cages).
 inline constexpr std::size_t kMostListed = std::size_t(1) << 22;
 
@@ -134,31 +154,41 @@ class Scene;
 struct Cage;
 /// How the faces of a cage lie in its box; each face counts by its own box, at rest: without morph targets and joints.
 struct FaceLayers {
-    double crossed = 1;                ///< how many surfaces a ray meets that passes through the cage's box, 1 at least
-    double held = 1;                   ///< in how many boxes of faces a point of that box lies, 1 at least
-    std::vector<double> held_of_slot;  ///< the part of each material slot; empty if all faces are of the first one
+    /// What counts of those faces that light may pass.
+    struct Passing {
+        double held = 0;    ///< in how many boxes of faces a point of the cage's box lies, 1 at least if there is a face
+        double passed = 0;  ///< how many faces a ray meets that crosses that box, by their areas
+    };
+    double crossed = 1;            ///< how many surfaces a ray meets that passes through the cage's box, 1 at least
+    Passing all{1, 1};             ///< of all faces
+    std::vector<Passing> of_slot;  ///< of each material slot; empty if all faces are of the first one
 
     FaceLayers() = default;
     explicit FaceLayers(const Cage& cage) { measure(cage); }
     /// It needs no memory if the cage has as many slots as before.
     void measure(const Cage& cage);
-    /// Returns in how many boxes of faces a point lies if only those slots count for which has(slot) is true: 0 if there is
-    /// no such slot, and otherwise 1 at least.
+    /// Returns what counts of the faces of those slots for which has(slot) is true.
+    /// slots   the number of those for which it may be true
     template <class Has>
-    double held_where(Has&& has) const
+    Passing of_those(std::size_t slots, Has&& has) const
     {
-        if (held_of_slot.empty()) return has(std::size_t(0)) ? held : 0;
-        double sum = 0;
+        if (of_slot.empty()) return slots > 0 && has(std::size_t(0)) ? all : Passing();
+        Passing sum;
         bool has_any = false;
-        for (std::size_t slot = 0; slot < held_of_slot.size(); ++slot)
-            if (has(slot)) sum += held_of_slot[slot], has_any = true;
-        return has_any ? std::max(1.0, sum) : 0;
+        for (std::size_t slot = 0; slot < std::min(slots, of_slot.size()); ++slot) {
+            if (!has(slot)) continue;
+            has_any = true;
+            sum.held += of_slot[slot].held;
+            sum.passed += of_slot[slot].passed;
+        }
+        if (has_any) sum.held = std::max(1.0, sum.held);
+        return sum;
     }
 };
 
-/// Throws Error, naming a node, if a ray may have to meet more than kMostLayers surfaces, if a point may lie in more than
-/// kMostDepth boxes of surfaces that light may pass, or if there are more than kMostMorphOffsets. The scene must be
-/// refitted.
+/// Throws Error, naming a node, if a ray may have to meet more than kMostLayers surfaces, or more than kMostPassed that
+/// light may pass, if a point may lie in more than kMostDepth boxes of these, or if posing vertices takes more than
+/// kMostPoseTerms. The scene must be refitted.
 void check_layers(const Scene& scene);
 /// Names a node for a message.
 std::string naming(const Node& node);

@@ -6,6 +6,7 @@
 
 #include "base/hash.h"
 #include "scenegraph/cage.h"
+#include "scenegraph/cage_faces.h"
 #include "scenegraph/contents.h"
 
 namespace occam {
@@ -15,10 +16,10 @@ namespace {
 class LayerSums {
 public:
     /// of_slot   gets the sums of the faces of each material slot, if there are several
-    LayerSums(const Cage& cage, std::span<double> of_slot) noexcept
+    LayerSums(const Cage& cage, std::span<FaceLayers::Passing> of_slot) noexcept
         : cage_(cage), of_slot_(of_slot), bound_(cage.is_displaced() ? double(cage.displacement->bound) : 0)
     {
-        std::ranges::fill(of_slot_, 0.0);
+        std::ranges::fill(of_slot_, FaceLayers::Passing());
     }
     /// first   of the face's corners, in Cage::face_vertices
     void add(std::size_t face, std::size_t first, std::size_t corners) noexcept
@@ -34,9 +35,16 @@ public:
         sizes_ += Contents::size_of(box) * (cage_.scheme == Scheme::Triangles
                                                 ? kOfATriangle
                                                 : double(std::max<std::size_t>(1, corners / kCornersOfALayer)));
-        const double volume = Contents::volume_of(box);
+        const double volume = Contents::volume_of(box),
+                     area = polygon_area(corners, [&](std::size_t corner) {
+                         return Vec3d(cage_.positions[cage_.face_vertices[first + corner]]);
+                     });
         volumes_ += volume;
-        if (!of_slot_.empty()) of_slot_[std::min<std::size_t>(cage_.face_slots[face], of_slot_.size() - 1)] += volume;
+        areas_ += area;
+        if (of_slot_.empty()) return;
+        FaceLayers::Passing& slot = of_slot_[std::min<std::size_t>(cage_.face_slots[face], of_slot_.size() - 1)];
+        slot.held += volume;
+        slot.passed += area;
     }
     /// Writes how many surfaces a ray meets, and in how many boxes a point lies: at least 1, and 1 for what is a point,
     /// flat, or overflows.
@@ -45,27 +53,29 @@ public:
     void write(double scale, FaceLayers& layers) const noexcept
     {
         constexpr double kOfAClosedSurface = 3;  // what the boxes of its faces come to: 2.7 for a cube
-        const double to_depth = scale / Contents::volume_of(whole_);
-        const double across = scale * sizes_ / Contents::size_of(whole_), depth = to_depth * volumes_;
+        const double to_depth = scale / Contents::volume_of(whole_), to_passed = scale / Contents::area_of(whole_);
+        const double across = scale * sizes_ / Contents::size_of(whole_), depth = to_depth * volumes_,
+                     passed = to_passed * areas_;
         layers.crossed = std::isfinite(across) && whole_.extent() != Vec3d(0) ? std::max(1.0, across - kOfAClosedSurface)
                                                                               : 1;
-        layers.held = std::isfinite(depth) ? std::max(1.0, depth) : 1;
-        for (double& sum : of_slot_) sum = std::isfinite(depth) ? to_depth * sum : 0;
+        layers.all = {std::isfinite(depth) ? std::max(1.0, depth) : 1, std::isfinite(passed) ? passed : 0};
+        for (FaceLayers::Passing& slot : of_slot_)
+            slot = {std::isfinite(depth) ? to_depth * slot.held : 0, std::isfinite(passed) ? to_passed * slot.passed : 0};
     }
 
 private:
     const Cage& cage_;
-    std::span<double> of_slot_;
+    std::span<FaceLayers::Passing> of_slot_;
     double bound_;
     Box3d whole_;
-    double sizes_ = 0, volumes_ = 0;
+    double sizes_ = 0, volumes_ = 0, areas_ = 0;
 };
 
 /// Measures the layers by one face of every `step`. Which one it is changes, so that a regular order of the faces has no
 /// influence.
 void measure_by(const Cage& cage, std::size_t step, FaceLayers& layers) noexcept
 {
-    LayerSums sums(cage, layers.held_of_slot);
+    LayerSums sums(cage, layers.of_slot);
     std::size_t first = 0;
     for (std::size_t face = 0; face < cage.face_count(); ++face) {
         const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face];
@@ -79,14 +89,14 @@ void measure_by(const Cage& cage, std::size_t step, FaceLayers& layers) noexcept
 
 void FaceLayers::measure(const Cage& cage)
 {
-    held_of_slot.resize(cage.face_slots.empty() || cage.materials.size() < 2 ? 0 : cage.materials.size());
+    of_slot.resize(cage.face_slots.empty() || cage.materials.size() < 2 ? 0 : cage.materials.size());
     // Of many faces some are looked at first, and all of them only where these overlap. So a cage whose faces hardly overlap
     // costs little whenever its vertices move, and the result depends on the cage alone.
     constexpr std::size_t kLookedAt = 1024;
     constexpr double kMany = 64;
     const std::size_t step = std::max<std::size_t>(1, cage.face_count() / kLookedAt);
     measure_by(cage, step, *this);
-    if (step > 1 && (crossed > kMany || held > kMany)) measure_by(cage, 1, *this);
+    if (step > 1 && (crossed > kMany || all.held > kMany || all.passed > kMany)) measure_by(cage, 1, *this);
 }
 
 }  // namespace occam

@@ -309,6 +309,8 @@ public:
     /// Brings dirty bounds up to date and returns the number of nodes and boxes it visited. A node on a dirty path visits
     /// its children; a node with many visits about 16 for each that changed, and twice the logarithm of their number.
     std::size_t refit();
+    /// Returns how many users, and slots of materials, edits and refits have looked at so far; for tests.
+    std::size_t looked_at() const noexcept;
 
     /// Calls visit(NodeId, const Node&, const Mat4d& world_from_node) for every placement in the graph that is visible at
     /// any time while the shutter is open, with its matrix in the pose that the scene is in. It visits parents first and

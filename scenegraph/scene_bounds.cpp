@@ -1,5 +1,6 @@
 // Marks the bounds that an edit puts out of date, and brings them up to date.
 #include <algorithm>
+#include <utility>
 
 #include "scenegraph/scene_state.h"
 
@@ -67,6 +68,8 @@ void Scene::State::leave_parent(NodeId id, std::uint32_t place_among_siblings) n
 
 void Scene::State::mark_users_dirty(CageRecord& cage) noexcept
 {
+    if (std::exchange(cage.users_marked_in, round) == round) return;
+    note_looked_at(cage.users.ids().size());
     const auto shows_it = [&](NodeId id) {
         const NodeRecord* user = nodes.find(id);
         return user && std::find(user->cages.begin(), user->cages.end(), cage.id) != user->cages.end();
@@ -76,8 +79,12 @@ void Scene::State::mark_users_dirty(CageRecord& cage) noexcept
 
 void Scene::State::mark_users_dirty(SkinRecord& skin) noexcept
 {
+    if (std::exchange(skin.users_marked_in, round) == round) return;
+    note_looked_at(skin.users.ids().size());
     for (NodeId user : skin.users.those_that([&](NodeId id) { return wears(id, skin); })) mark_dirty(user);
 }
+
+std::size_t Scene::looked_at() const noexcept { return state_->looked_at_so_far.load(std::memory_order_relaxed); }
 
 bool Scene::State::is_instance_of(NodeId id, NodeId shown) const noexcept
 {
@@ -91,24 +98,6 @@ Box3d grown_by_displacement(const Cage& cage, const Box3d& box) noexcept
     const double bound = double(cage.displacement->bound) * (1 + 0x1p-18);  // displaced points are rounded
     return {box.lo - bound, box.hi + bound};
 }
-
-namespace {
-
-/// Returns in how many boxes of faces that light may pass a point of a cage's box lies, as a node shows the cage.
-template <class Materials>
-double held_in(const Node& node, const CageSlot& slot, const FaceLayers& layers, const Materials& materials)
-{
-    const auto& shown = node.materials.empty() ? slot.cage.materials : node.materials;
-    const auto passes = [&](const MaterialId& id) {
-        const Material* m = materials.find(id);
-        return m && (kinds_of(*m) & Contents::Passing) != 0;
-    };
-    // Nobody knows which slots the faces of a cage on demand have.
-    if (slot.is_on_demand()) return std::any_of(shown.begin(), shown.end(), passes) ? layers.held : 0;
-    return layers.held_where([&](std::size_t of) { return of < shown.size() && passes(shown[of]); });
-}
-
-}  // namespace
 
 std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
 {
@@ -132,8 +121,10 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
         bounds.add(box);
         contents.poles.add(cage_poles(node, *cage, skin));
         contents.crossed += Contents::size_of(box) * cage->layers.crossed;
-        if (contents.has(Contents::Passing))
-            contents.held += Contents::volume_of(box) * held_in(node, *cage, cage->layers, materials);
+        if (!contents.has(Contents::Passing)) continue;
+        const FaceLayers::Passing passing = node.materials.empty() ? cage->passing : passing_faces(*cage, node.materials);
+        contents.held += Contents::volume_of(box) * passing.held;
+        contents.passed += Contents::area_of(box) * passing.passed;
     }
     const auto box_of = [&](std::size_t i) {
         const Node* child = nodes.find(node.children[i]);
@@ -163,6 +154,7 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
     node.bounds = bounds;
     contents.most_layers = std::max(contents.most_layers, contents.layers_in(bounds));
     contents.most_depth = std::max(contents.most_depth, contents.depth_in(bounds));
+    contents.most_passed = std::max(contents.most_passed, contents.passed_in(bounds));
     node.contents = contents;
     node.dirty = false;
     return looked_at;
@@ -192,6 +184,7 @@ std::size_t Scene::refit()
     if (!s.nodes.find(s.root)->dirty) return 1;
     std::vector<State::RefitStep> todo{{s.root, false}};
     Rollback begun([&] { s.lose_bounds(); });
+    ++s.round;
     std::size_t looked_at = 0;
     while (!todo.empty()) {
         const State::RefitStep step = todo.back();

@@ -286,6 +286,7 @@ void Scene::write_vertices(CageId id, std::span<const Vec3f> positions)
     find_bounds(record);
     written.keep();
     record.layers.measure(record.cage);
+    state_->sum_up_materials(record);
     ++record.positions_version;
     state_->mark_users_dirty(record);
 }

@@ -34,27 +34,35 @@ bool bounds_absorbing_body(const Material& m) noexcept
     return is_body && is_finite && (c.x < 1 || c.y < 1 || c.z < 1);
 }
 
-double morph_offsets_of(const Cage& cage, const std::vector<float>& weights) noexcept
+std::size_t targets_with_weight(const Cage& cage, const std::vector<float>& weights) noexcept
 {
     const std::vector<float>& all = weights.empty() ? cage.morph_weights : weights;
     std::size_t targets = 0;
     for (std::size_t k = 0; k < std::min(all.size(), cage.morph_targets.size()); ++k)
         targets += all[k] != 0 && !cage.morph_targets[k].positions.empty();
-    return double(targets) * double(cage.positions.size());
+    return targets;
 }
 
-// Returns the same for a node that shows the cage, with its keys.
-double morph_offsets_of(const Cage& cage, const Node& node) noexcept
+// Returns Contents::pose_terms for a node that shows the cage, with its keys.
+double pose_terms_of(const Cage& cage, const Node& node, const SkinSlot* skin) noexcept
 {
-    if (cage.morph_targets.empty()) return 0;
-    if (node.keys.empty()) return morph_offsets_of(cage, node.morph_weights);
+    if (cage.morph_targets.empty() && cage.skin.sets == 0) return 0;
+    const std::size_t of_joints = skin ? std::size_t(4) * static_cast<std::size_t>(cage.skin.sets) : 0;
     // A node that moves, or that one above it moves, has the same offsets at all keys.
     const auto weighs_otherwise = [](const NodeKey& a, const NodeKey& b) { return a.morph_weights != b.morph_weights; };
-    if (std::adjacent_find(node.keys.begin(), node.keys.end(), weighs_otherwise) == node.keys.end())
-        return morph_offsets_of(cage, node.keys.front().morph_weights);
-    double sum = 0;
-    for (const NodeKey& key : node.keys) sum += morph_offsets_of(cage, key.morph_weights);
-    return sum;
+    const bool weights_change = !cage.morph_targets.empty() &&
+                                std::adjacent_find(node.keys.begin(), node.keys.end(), weighs_otherwise) != node.keys.end();
+    const std::size_t poses = of_joints > 0 && skin && !skin->key_poses.empty() ? skin->key_poses.size()
+                              : weights_change                                  ? node.keys.size()
+                                                                                : 1;
+    double terms = double(poses) * double(of_joints);
+    if (weights_change) {
+        for (const NodeKey& key : node.keys) terms += double(targets_with_weight(cage, key.morph_weights));
+    } else {
+        const std::vector<float>& weights = node.keys.empty() ? node.morph_weights : node.keys.front().morph_weights;
+        terms += double(poses) * double(targets_with_weight(cage, weights));
+    }
+    return terms * double(cage.positions.size());
 }
 
 }  // namespace
@@ -117,6 +125,7 @@ void Scene::State::take_contents(CageId id, CageRecord& record)
     record.id = id;
     record.contents = contents;
     record.layers = FaceLayers(cage);
+    sum_up_materials(record);
     const auto is_alive = [&](CageId known) { return cages.find(known) != nullptr; };
     for (const MaterialId material : cage.materials)
         if (MaterialRecord* known = materials.find(material)) known->cages.add(id, is_alive);
@@ -150,7 +159,39 @@ void Scene::State::mark_users_dirty(MaterialRecord& material) noexcept
     const auto overrides_by_it = [&](NodeId id) { return nodes.find(id) && is_among(nodes.find(id)->materials); };
     const auto has_it = [&](CageId id) { return cages.find(id) && is_among(cages.find(id)->cage.materials); };
     for (const NodeId user : material.users.those_that(overrides_by_it)) mark_dirty(user);
-    for (const CageId id : material.cages.those_that(has_it)) mark_users_dirty(*cages.find(id));
+    for (const CageId id : material.cages.those_that(has_it)) {
+        sum_up_materials(*cages.find(id));
+        mark_users_dirty(*cages.find(id));
+    }
+}
+
+Contents::Kinds Scene::State::kinds_of_all(const std::vector<MaterialId>& list) const noexcept
+{
+    note_looked_at(list.size());
+    Contents::Kinds kinds = 0;
+    for (const MaterialId id : list)
+        if (const Material* m = materials.find(id)) kinds |= kinds_of(*m);
+    return kinds;
+}
+
+FaceLayers::Passing Scene::State::passing_faces(const CageRecord& cage, const std::vector<MaterialId>& shown) const noexcept
+{
+    note_looked_at(shown.size());
+    const auto passes = [&](const MaterialId& id) {
+        const Material* m = materials.find(id);
+        return m && (kinds_of(*m) & Contents::Passing) != 0;
+    };
+    // Nobody knows which slots the faces of a cage on demand have.
+    if (cage.is_on_demand())
+        return std::any_of(shown.begin(), shown.end(), passes) ? cage.layers.all : FaceLayers::Passing();
+    return cage.layers.of_those(shown.size(), [&](std::size_t slot) { return passes(shown[slot]); });
+}
+
+void Scene::State::sum_up_materials(CageRecord& cage) const noexcept
+{
+    cage.material_kinds = kinds_of_all(cage.cage.materials);
+    cage.passing = (cage.material_kinds & Contents::Passing) != 0 ? passing_faces(cage, cage.cage.materials)
+                                                                  : FaceLayers::Passing();
 }
 
 void Scene::State::count_faces(const CageRecord& record, int sign) noexcept
@@ -166,18 +207,18 @@ Contents Scene::State::own_contents(const NodeRecord& node) const noexcept
     if (lights.find(node.light)) contents.kinds |= Contents::Lights;
     const SkinRecord* skin = skins.find(node.skin);
     if (!node.keys.empty() || (skin && !skin->key_poses.empty())) contents.kinds |= Contents::Moving;
+    const Contents::Kinds own_kinds = kinds_of_all(node.materials);
     for (const CageId id : node.cages) {
         const CageRecord* cage = cages.find(id);
         if (!cage) continue;
         contents.add(cage->contents);
-        contents.morph_offsets += morph_offsets_of(cage->cage, node);
+        contents.kinds |= node.materials.empty() ? cage->material_kinds : own_kinds;
+        contents.pose_terms += pose_terms_of(cage->cage, node, skin);
         if (!cage->key_positions.empty()) {
             contents.kinds |= Contents::Moving;
             contents.written_faces = std::max(contents.written_faces, static_cast<std::uint32_t>(cage->cage.face_count()));
         }
         if (skin) contents.joints = std::max(contents.joints, static_cast<std::uint32_t>(skin->skin.joints.size()));
-        for (const MaterialId material : node.materials.empty() ? cage->cage.materials : node.materials)
-            if (const Material* m = materials.find(material)) contents.kinds |= kinds_of(*m);
     }
     contents.levels = 1;
     contents.widest = static_cast<std::uint32_t>(ChildBoxes::most_at_once(node.children.size()) + node.cages.size() + 1);
@@ -242,13 +283,25 @@ void check_layers(const Scene& scene)
                 " is the limit",
             naming(worst));
     }
-    if (all.morph_offsets > kMostMorphOffsets) {
-        const auto offsets = [](const Node& n) { return n.contents.morph_offsets; };
+    if (all.most_passed > kMostPassed) {
         const Node& worst = node_at_fault(
-            scene, [&](const Node& n) { return offsets(n) > kMostMorphOffsets; }, offsets);
-        throw error_without_file("morph targets would move vertices too often: the frame would have to add up about " +
-                                     figure(offsets(worst)) + " offsets, and " + figure(kMostMorphOffsets) + " is the limit",
-                                 naming(worst));
+            scene, [](const Node& n) { return n.contents.passed_in(n.bounds) > kMostPassed; },
+            [](const Node& n) { return n.contents.most_passed; });
+        throw error_without_file(
+            "too many surfaces that light passes lie one behind the other: a ray would have to pass "
+            "about " +
+                figure(worst.contents.most_passed) + " of them, and " + std::to_string(static_cast<int>(kMostPassed)) +
+                " is the limit",
+            naming(worst));
+    }
+    if (all.pose_terms > kMostPoseTerms) {
+        const auto terms = [](const Node& n) { return n.contents.pose_terms; };
+        const Node& worst = node_at_fault(
+            scene, [&](const Node& n) { return terms(n) > kMostPoseTerms; }, terms);
+        throw error_without_file(
+            "morph targets or joints would move vertices too often: the frame would have to add up about " +
+                figure(terms(worst)) + " offsets and shares of joints, and " + figure(kMostPoseTerms) + " is the limit",
+            naming(worst));
     }
 }
 

@@ -9,6 +9,9 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
 
 #include "base/error_without_file.h"
 #include "base/matrix.h"
@@ -24,6 +27,7 @@ struct Scene::State::Recorder {
     std::unordered_map<NodeId, std::vector<NodeKey>> nodes;
     std::unordered_map<SkinId, std::size_t> skins;  ///< whose joints move, and how many they are
     std::unordered_map<CageId, std::vector<std::vector<Vec3f>>> cages;
+    std::unordered_set<NodeId> moved;  ///< those of which all that depends on them is in these lists
 
     /// Returns the bytes that all keys so far and `more` of them take.
     std::size_t bytes_with(std::size_t more) const noexcept
@@ -100,11 +104,12 @@ void Scene::State::about_to_move(NodeId id, NodeRecord& node)
 {
     if (!recorder && things_with_keys == 0) return;
     about_to_change(id, node);
-    if (!node.dependents) return;
+    if (!node.dependents || (recorder && recorder->moved.contains(id))) return;
+    note_looked_at(node.dependents->skins.ids().size() + node.dependents->users.ids().size());
     for (const SkinId skin_id : node.dependents->skins.ids()) {
         SkinRecord* skin = skins.find(skin_id);
         if (!skin) continue;
-        if (recorder) recorder->skins.emplace(skin_id, skin->skin.joints.size());
+        if (recorder) recorder->skins.try_emplace(skin_id, skin->skin.joints.size());
         else lose_keys(*skin);
     }
     for (const NodeId user_id : node.dependents->users.ids())
@@ -112,6 +117,7 @@ void Scene::State::about_to_move(NodeId id, NodeRecord& node)
             if (recorder) about_to_change(user_id, *user);
             else user->has_stale_keys = true;
         }
+    if (recorder) recorder->moved.insert(id);
 }
 
 void Scene::State::about_to_write(CageId id, CageRecord& cage)
@@ -154,14 +160,14 @@ void Scene::State::lose_keys(SkinRecord& skin) noexcept
     if (things_with_keys == 0) return;
     skin.has_stale_keys = true;
     mark_users_dirty(skin);
-    if (skin.users.ids().empty()) drop_keys(skin);  // mark_users_dirty() has left only those that wear it
+    if (!is_worn(skin)) drop_keys(skin);
 }
 
 void Scene::State::lose_wearer(SkinId id) noexcept
 {
     SkinRecord* skin = skins.find(id);
     if (!skin || skin->key_poses.empty()) return;
-    if (skin->users.has_any_that([&](NodeId user) { return wears(user, *skin); })) return;
+    if (is_worn(*skin)) return;
     drop_keys(*skin);
     skin->has_stale_keys = true;
 }
@@ -323,7 +329,7 @@ void Scene::record_shutter(int segments, const std::function<void(double tau)>& 
     for (const auto& [id, joints] : record.skins) {
         State::SkinRecord& skin = *s.skins.find(id);
         s.lose_keys(skin);
-        if (!skin.users.ids().empty()) s.keep_skin_moving(id, skin);
+        if (s.is_worn(skin)) s.keep_skin_moving(id, skin);
     }
     stored.keep();
 }

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "base/error_without_file.h"
@@ -109,6 +110,7 @@ void Scene::State::link_skin(SkinId id)
         NodeRecord& node = *nodes.find(at);
         if (!node.dependents) node.dependents = std::make_unique<Dependents>();
         node.dependents->skins.add(id, [&](SkinId other) { return skins.find(other) != nullptr; });
+        node.dependents->marked_in = 0;
     }
     skin.dirty = skin.has_stale_keys = true;
     for (const NodeId user : skin.users.ids())
@@ -149,6 +151,7 @@ void Scene::State::link_user(NodeId id)
             NodeRecord& node = *nodes.find(at);
             if (!node.dependents) node.dependents = std::make_unique<Dependents>();
             node.dependents->users.add(id, is_alive);
+            node.dependents->marked_in = 0;
         }
     wearer.has_stale_links = false;
 }
@@ -160,6 +163,11 @@ void Scene::State::lose_links(const NodeRecord& node) noexcept
         if (SkinRecord* skin = skins.find(id)) skin->has_stale_links = true;
     for (const NodeId id : node.dependents->users.ids())
         if (NodeRecord* user = nodes.find(id)) user->has_stale_links = user->has_stale_keys = true;
+}
+
+bool Scene::State::is_worn(SkinRecord& skin) const noexcept
+{
+    return skin.users.has_any_that([&](NodeId user) { return wears(user, skin); });
 }
 
 bool Scene::State::wears(NodeId id, const SkinRecord& skin) const noexcept
@@ -212,12 +220,13 @@ std::vector<Mat4d> Scene::State::poses_of(const SkinRecord& skin, std::optional<
     return poses;
 }
 
-void Scene::State::place_changed(NodeId id, const NodeRecord& node) noexcept
+void Scene::State::place_changed(NodeId id, NodeRecord& node) noexcept
 {
     // The box of the node is in its own axes and stays valid, so the parent is marked. Only the root has no parent.
     touch_in_parent(node);
     mark_dirty(node.parent ? node.parent : id);
-    if (!node.dependents) return;
+    if (!node.dependents || std::exchange(node.dependents->marked_in, round) == round) return;
+    note_looked_at(node.dependents->skins.ids().size() + node.dependents->users.ids().size());
     for (const SkinId s : node.dependents->skins.those_that([&](SkinId skin) { return skins.find(skin) != nullptr; })) {
         skins.find(s)->dirty = true;
         mark_users_dirty(*skins.find(s));
@@ -253,7 +262,8 @@ void Scene::remove(SkinId id)
     State::SkinRecord& skin = State::at(state_->skins, id, "skin");
     state_->drop_keys(skin);
     state_->mark_users_dirty(skin);
-    for (const NodeId user : skin.users.ids()) state_->nodes.find(user)->has_stale_keys = true;
+    for (const NodeId user : skin.users.ids())
+        if (state_->wears(user, skin)) state_->nodes.find(user)->has_stale_keys = true;
     state_->skins.remove(id);
 }
 

@@ -2,15 +2,15 @@
 // changes.
 #pragma once
 
-#include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <span>
 #include <unordered_map>
 
 #include "base/error_without_file.h"
-#include "base/handle.h"
 #include "scenegraph/child_boxes.h"
 #include "scenegraph/scene.h"
+#include "scenegraph/scene_tables.h"
 
 namespace occam {
 
@@ -33,120 +33,12 @@ void find_poles(CageSlot& slot) noexcept;
 /// scenes.
 std::uint64_t next_identity() noexcept;
 
-/// The nodes, cages or skins that an edit must notify. Removed ones and duplicates are dropped when the list would grow, so
-/// that its size stays in proportion to the number alive at one time.
-template <class Id>
-class WatcherList {
-public:
-    template <class IsAlive>
-    void add(Id id, IsAlive&& is_alive)
-    {
-        if (!ids_.empty() && ids_.back() == id) return;
-        if (ids_.size() == ids_.capacity()) {
-            std::erase_if(ids_, [&](Id known) { return !is_alive(known); });
-            std::sort(ids_.begin(), ids_.end(), [](Id a, Id b) { return a.slot < b.slot; });  // live ids differ by slot
-            ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
-            if (ids_.size() > ids_.capacity() / 2) ids_.reserve(2 * ids_.capacity());
-        }
-        ids_.push_back(id);
-    }
-    const std::vector<Id>& ids() const noexcept { return ids_; }
-    /// Drops the ids that watch no longer, and returns the others.
-    template <class Watches>
-    const std::vector<Id>& those_that(Watches&& watches) noexcept
-    {
-        std::erase_if(ids_, [&](Id id) { return !watches(id); });
-        return ids_;
-    }
-    /// Returns whether any id still watches. Ids at the end that watch no longer are dropped, so the mean cost is constant.
-    template <class Watches>
-    bool has_any_that(Watches&& watches) noexcept
-    {
-        while (!ids_.empty() && !watches(ids_.back())) ids_.pop_back();
-        return !ids_.empty();
-    }
-
-private:
-    std::vector<Id> ids_;
-};
-using Watchers = WatcherList<NodeId>;
-
-/// Returns the first generation for the handles of a new scene: far from that of every other scene of the process.
-std::uint32_t next_scene_generation() noexcept;
-
-/// A SlotMap whose generations start at a number of the scene's own, so that it does not accept another scene's handles. For
-/// a foreign handle to be accepted, a slot would have to be reused as often as the difference of the two numbers.
-template <class T, class Tag>
-class SceneTable {
-public:
-    using Id = Handle<Tag>;
-
-    explicit SceneTable(std::uint32_t first_generation) noexcept : first_(first_generation) {}
-
-    Id add(T value)
-    {
-        const Id id = outer(map_.add(std::move(value)));
-        ++size_;
-        return id;
-    }
-    /// Removes the value. A dead handle has no effect. Without memory to remember the free slot, the slot is not used again.
-    void remove(Id id) noexcept
-    {
-        if (!find(id)) return;
-        --size_;
-        try {
-            map_.remove(inner(id));
-        } catch (const std::bad_alloc&) {
-        }
-    }
-    T* find(Id id) noexcept { return map_.find(inner(id)); }
-    const T* find(Id id) const noexcept { return map_.find(inner(id)); }
-    std::size_t size() const noexcept { return size_; }
-    template <class Visit>
-    void for_each(Visit&& visit) const
-    {
-        map_.for_each([&](Id id, const T& value) { visit(outer(id), value); });
-    }
-    template <class Visit>
-    void for_each(Visit&& visit)
-    {
-        map_.for_each([&](Id id, const T&) { visit(outer(id), *map_.find(id)); });
-    }
-
-private:
-    Id outer(Id id) const noexcept { return {id.slot, id.generation + first_}; }
-    Id inner(Id id) const noexcept { return {id.slot, id.generation - first_}; }
-
-    SlotMap<T, Tag> map_;
-    std::uint32_t first_;
-    std::size_t size_ = 0;
-};
-
-/// Undoes the first steps of an edit if a later one throws: an edit is done as a whole or not at all.
-template <class Undo>
-class Rollback {
-public:
-    explicit Rollback(Undo undo) : undo_(std::move(undo)) {}
-    ~Rollback()
-    {
-        if (!is_done_) undo_();
-    }
-    Rollback(const Rollback&) = delete;
-    Rollback& operator=(const Rollback&) = delete;
-
-    /// Keeps what was done.
-    void keep() noexcept { is_done_ = true; }
-
-private:
-    Undo undo_;
-    bool is_done_ = false;
-};
-
 struct Scene::State {
     /// Lists what depends on a node's transform besides its parent's bounds.
     struct Dependents {
-        WatcherList<SkinId> skins;  ///< skins for which the node lies between a joint and the base
-        Watchers users;             ///< skinned nodes for which the node lies between them and the base of their skin
+        WatcherList<SkinId> skins;    ///< skins for which the node lies between a joint and the base
+        Watchers users;               ///< skinned nodes for which the node lies between them and the base of their skin
+        std::uint64_t marked_in = 0;  ///< the State::round in which all of them were marked, if none was added since
     };
     /// The values that pose() found before it moved a node.
     struct Rest {
@@ -173,6 +65,7 @@ struct Scene::State {
         bool has_stale_links = false;      ///< what link_skin() finds is out of date
         bool is_listed_with_keys = false;  ///< in skins_with_keys
         Watchers users;
+        std::uint64_t users_marked_in = 0;  ///< a State::round
     };
     /// The state of pose() for the scene itself, and for each subtree that copy() or add() made.
     struct Posed {
@@ -186,8 +79,12 @@ struct Scene::State {
     };
     struct CageRecord : CageSlot {
         Watchers users;
-        Contents contents;  ///< as the cage's own materials have it
+        std::uint64_t users_marked_in = 0;  ///< a State::round
+        Contents contents;                  ///< whatever its materials are
         FaceLayers layers;
+        // What the cage's own materials make of it: see sum_up_materials().
+        Contents::Kinds material_kinds = 0;
+        FaceLayers::Passing passing;
     };
     struct LightRecord : Light {
         Watchers users;
@@ -231,8 +128,12 @@ struct Scene::State {
     NodeId root;
     std::size_t faces = 0, mesh_triangles = 0;  ///< of all cages
     bool has_lost_bounds = false;               ///< all bounds are out of date, whatever the nodes say
-    mutable std::atomic<int> frames{0};         ///< number of FrameLocks alive
-    std::mutex refitting;                       ///< held by refit(): frames of several renderers may begin at once
+    /// Rises where a refit begins. Until then nodes that were marked stay dirty, so what has marked its users in this round
+    /// need not do it again: a node that becomes a user is marked then.
+    std::uint64_t round = 1;
+    mutable std::atomic<std::size_t> looked_at_so_far{0};  ///< see Scene::looked_at()
+    mutable std::atomic<int> frames{0};                    ///< number of FrameLocks alive
+    std::mutex refitting;  ///< held by refit(): frames of several renderers may begin at once
 
     void require_editable() const
     {
@@ -290,6 +191,7 @@ struct Scene::State {
     void mark_users_dirty(SkinRecord& skin) noexcept;
     bool is_instance_of(NodeId id, NodeId shown) const noexcept;   ///< false also for a node that was removed
     bool wears(NodeId id, const SkinRecord& skin) const noexcept;  ///< likewise
+    bool is_worn(SkinRecord& skin) const noexcept;                 ///< by any node
     static Error shows_itself(const std::string& name);
     /// Returns whether `below` lies in what `above` shows, or is `above`. It looks down from the one and up from the other,
     /// and costs twice what the smaller of the two searches costs.
@@ -303,6 +205,12 @@ struct Scene::State {
     /// Gives a cage its handle, sums up what it holds and registers it with its materials and the texture that displaces it;
     /// it is called where the cage's polygons or materials are new.
     void take_contents(CageId id, CageRecord& cage);
+    void note_looked_at(std::size_t number) const noexcept { looked_at_so_far.fetch_add(number, std::memory_order_relaxed); }
+    Contents::Kinds kinds_of_all(const std::vector<MaterialId>& list) const noexcept;
+    /// Returns what counts of those faces of a cage that light may pass, if it has these materials.
+    FaceLayers::Passing passing_faces(const CageRecord& cage, const std::vector<MaterialId>& shown) const noexcept;
+    /// Brings up to date what the cage's own materials make of it, so that nodes that show them need not look at each.
+    void sum_up_materials(CageRecord& cage) const noexcept;
     /// Registers a material with its textures.
     void watch_textures(MaterialId id, const Material& material);
     /// Registers a node with its cages, its light, its camera and the materials of its override.
@@ -310,7 +218,7 @@ struct Scene::State {
     /// Gives a node another value of what watch_contents() registers.
     template <class T>
     void change_contents(NodeId id, T NodeDesc::*member, T value);
-    /// Marks the nodes that show the material.
+    /// Marks the nodes that show the material, and sums up the cages that name it.
     void mark_users_dirty(MaterialRecord& material) noexcept;
     /// Counts a cage's faces into the scene's, or with `sign` -1 out of them.
     void count_faces(const CageRecord& cage, int sign) noexcept;
@@ -350,7 +258,7 @@ struct Scene::State {
     void store_keys(Recorder& record);
 
     /// Notifies the nodes above and the skins that a node's transform has changed.
-    void place_changed(NodeId id, const NodeRecord& node) noexcept;
+    void place_changed(NodeId id, NodeRecord& node) noexcept;
     void place(NodeId id, NodeRecord& node, const Mat4d& parent_from_node);
     /// Adds a skin, some of whose joints may have been removed.
     SkinId add_skin(Skin skin);

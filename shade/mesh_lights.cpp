@@ -10,6 +10,7 @@
 #include "base/luminance.h"
 #include "base/matrix.h"
 #include "base/morton.h"
+#include "scenegraph/cage_faces.h"
 #include "scenegraph/contents.h"
 #include "scenegraph/hidden_nodes.h"
 #include "scenegraph/shutter.h"
@@ -45,20 +46,12 @@ std::size_t slots_of(const Node& node, const Cage& cage) noexcept
 
 bool emits(const Material* material) noexcept { return material && !material->unlit && material->emission != Vec3f(0); }
 
-// Returns the area of a polygon in world axes: half the length of the sum of its corners' cross products.
-double polygon_area(const Cage& cage, std::size_t first, std::size_t corners, const Mat4d& world_from_object) noexcept
+// Returns the area of a polygon in world axes.
+double area_in_world(const Cage& cage, std::size_t first, std::size_t corners, const Mat4d& world_from_object) noexcept
 {
-    const auto at = [&](std::size_t corner) {
+    return polygon_area(corners, [&](std::size_t corner) {
         return transform_point(world_from_object, Vec3d(cage.positions[cage.face_vertices[first + corner]]));
-    };
-    const Vec3d origin = at(0);
-    Vec3d sum(0), before = at(1) - origin;
-    for (std::size_t corner = 2; corner < corners; ++corner) {
-        const Vec3d next = at(corner) - origin;
-        sum += glm::cross(before, next);
-        before = next;
-    }
-    return 0.5 * glm::length(sum);
+    });
 }
 
 // The edges of the box that holds a node's cage, in world axes.
@@ -119,7 +112,7 @@ SlotFaces faces_of_slots(const Scene& scene, const Node& node, const CageSlot& s
         const std::size_t corners = cage.scheme == Scheme::Triangles ? 3 : cage.face_sizes[face], s = slot_of(face);
         if (is_counted(s)) {
             out.faces[next[s]++] = static_cast<std::uint32_t>(face);
-            if (is_rigid) out.area[s] += polygon_area(cage, first, corners, world_from_object);
+            if (is_rigid) out.area[s] += area_in_world(cage, first, corners, world_from_object);
         }
         first += corners;
     }
@@ -224,10 +217,12 @@ MeshLights::MeshLights(const Scene& scene, const TextureStore& textures, const F
     std::size_t faces = 0;
     scene.for_placements_of(Contents::Emitters, [&](NodeId, const Node& node, const Mat4d&) {
         for (CageId id : node.cages)
-            if (const CageSlot* slot = scene.find(id); slot && !slot->is_on_demand()) faces += slot->cage.face_count();
+            if (const CageSlot* slot = scene.find(id))
+                faces += std::max(slot->is_on_demand() ? 0 : slot->cage.face_count(), slots_of(node, slot->cage));
         if (faces > kMostFaces)
             throw error_without_file("objects that emit light have more than " + std::to_string(kMostFaces) +
-                                         " faces, counted in each place where they are shown",
+                                         " faces or slots of materials, counted in each place where they are "
+                                         "shown",
                                      naming(node));
     });
     scene.for_placements_of(Contents::Emitters, [&](NodeId id, const Node& node, const Mat4d& world_from_node) {

@@ -11,6 +11,7 @@
 #include "lod/deformed_cage.h"
 #include "scenegraph/contents.h"
 #include "scenegraph/scene.h"
+#include "tests/support/bent_strip.h"
 #include "tests/support/shape_builders.h"
 
 namespace occam::test {
@@ -55,10 +56,10 @@ TEST(MorphOffsets, AreCountedWithInstancesAndRefusedBeyondTheirLimit)
     desc.cages = {id};
     NodeId shown = scene.add_node(scene.root(), desc);
     scene.refit();
-    const double once = scene.contents().morph_offsets;
+    const double once = scene.contents().pose_terms;
     EXPECT_EQ(once, 6.0 * double(scene.cage(id).cage.positions.size()));
     double copies = 1;
-    for (; copies * once <= kMostMorphOffsets; copies *= 4) {
+    for (; copies * once <= kMostPoseTerms; copies *= 4) {
         NodeDesc group;
         group.name = "crowd";
         const NodeId of = scene.add_node(scene.root(), group);
@@ -76,7 +77,8 @@ TEST(MorphOffsets, AreCountedWithInstancesAndRefusedBeyondTheirLimit)
         ADD_FAILURE() << "not refused";
     } catch (const Error& error) {
         const std::string text = error.what();
-        EXPECT_NE(text.find("offsets, and 1.72e+10 is the limit (node 'crowd')"), std::string::npos) << text;
+        EXPECT_NE(text.find("offsets and shares of joints, and 1.72e+10 is the limit (node 'crowd')"), std::string::npos)
+            << text;
     }
 }
 
@@ -90,7 +92,7 @@ TEST(MorphOffsets, CountForEachKeyOnlyWhereTheWeightsChange)
     const NodeId above = scene.add_node(scene.root(), {}), node = scene.add_node(above, desc);
     const auto offsets = [&] {
         scene.refit();
-        return scene.contents().morph_offsets;
+        return scene.contents().pose_terms;
     };
     const double once = offsets();
     EXPECT_GT(once, 0);
@@ -106,6 +108,24 @@ TEST(MorphOffsets, CountForEachKeyOnlyWhereTheWeightsChange)
         scene.set_morph_weights(node, weights);
     });
     EXPECT_EQ(offsets(), 9 * once);
+}
+
+// Each vertex takes up to four joints of each set, for each pose of the skin.
+TEST(MorphOffsets, SharesOfJointsCountLikewise)
+{
+    Bent bent;
+    const auto terms = [&] {
+        bent.scene.refit();
+        return bent.scene.contents().pose_terms;
+    };
+    const double once = 4.0 * double(bent.scene.cage(bent.cage).cage.positions.size());
+    EXPECT_EQ(terms(), once);
+    bent.scene.add_node(bent.scene.root(), {.cages = {bent.cage}, .skin = bent.skin});
+    EXPECT_EQ(terms(), 2 * once);
+    bent.scene.record_shutter(4, [&](double tau) { bent.scene.set_transform(bent.tip_joint, moved(2, tau, 0)); });
+    EXPECT_EQ(terms(), 5 * 2 * once);
+    bent.scene.set_skin(bent.skinned, {});
+    EXPECT_EQ(terms(), 5 * once);
 }
 
 }  // namespace

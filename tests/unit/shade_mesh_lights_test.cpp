@@ -294,28 +294,31 @@ TEST(MeshLights, ManyTrianglesMayBeOfSmallAndLargeMeshes)
         << "a corner of the last triangle of the large mesh, which is the first along x";
 }
 
-// 8,192 placements of a mesh of 8,192 triangles.
+// 8,192 placements of a mesh of 8,192 triangles, or of as many slots of materials.
 TEST(MeshLights, RefusesMoreFacesThanFitInMemory)
 {
-    Scene scene;
-    Material glow;
-    glow.emission = Vec3f(1);
-    Cage cage;
-    cage.scheme = Scheme::Triangles;
-    cage.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    for (int i = 0; i < 8192; ++i) cage.face_vertices.insert(cage.face_vertices.end(), {0, 1, 2});
-    cage.materials = {scene.add(glow)};
-    NodeId shown = scene.add_node(scene.root(), {.name = "lamp", .cages = {scene.add(std::move(cage))}, .visible = false});
-    for (int k = 0; k < 13; ++k) {
-        const NodeId both = scene.add_node(scene.root(), {.visible = false});
-        scene.add_node(both, {.instance_of = shown});
-        scene.add_node(both, {.instance_of = shown});
-        shown = both;
+    for (const bool has_slots : {false, true}) {
+        Scene scene;
+        Material glow;
+        glow.emission = Vec3f(1);
+        Cage cage;
+        cage.scheme = Scheme::Triangles;
+        cage.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+        for (int i = 0; i < (has_slots ? 1 : 8192); ++i) cage.face_vertices.insert(cage.face_vertices.end(), {0, 1, 2});
+        cage.materials.assign(has_slots ? 8192 : 1, scene.add(glow));
+        const CageId lamp = scene.add(std::move(cage));
+        NodeId shown = scene.add_node(scene.root(), {.name = "lamp", .cages = {lamp}, .visible = false});
+        for (int k = 0; k < 13; ++k) {
+            const NodeId both = scene.add_node(scene.root(), {.visible = false});
+            scene.add_node(both, {.instance_of = shown});
+            scene.add_node(both, {.instance_of = shown});
+            shown = both;
+        }
+        scene.add_node(scene.root(), {.instance_of = shown});
+        scene.refit();
+        const TextureStore textures(1 << 20);
+        EXPECT_THROW(MeshLights(scene, textures), Error) << has_slots;
     }
-    scene.add_node(scene.root(), {.instance_of = shown});
-    scene.refit();
-    const TextureStore textures(1 << 20);
-    EXPECT_THROW(MeshLights(scene, textures), Error);
 }
 
 // Materials of many slots are found in one pass over the faces, and their triangles stay in the order of the slots.
