@@ -66,6 +66,7 @@ Frame::Frame(const Scene& scene, lod::TopologyCache& topologies, const lod::Leve
     // Floats in the tree's frame are the more precise the nearer they are to its origin. So the origin is the scene's point
     // nearest to the eye: a far thing is seen with a wide footprint, and a telescope sees the near side of the scene.
     state_->anchor = glm::clamp(levels.eye, world.lo, world.hi);
+    state_->levels.origin = state_->anchor;
     const auto in_tree = [&](const Box3d& box) {
         const double pad = vertex_rounding(box);
         return outward_float({box.lo - pad, box.hi + pad}, state_->anchor, 8);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "base/box.h"
@@ -60,6 +61,9 @@ struct LevelSettings {
     /// part (lod/cage_motion.h).
     int strata = 0;
 
+    /// The origin of the floats in which the tree keeps boxes of igrids; no value: there is no tree. No placed cage has
+    /// edges that are shorter than the steps of these floats are where it is (lod/level_choice.h).
+    std::optional<Vec3d> origin{};
     /// The largest distance, in world length, of points of displaced cages from the surface whose edges levels bound. An
     /// edge of M_l may be longer than d_l by twice this, and a vertex may move by the same amount more between levels, so
     /// margins grow by both.

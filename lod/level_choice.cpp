@@ -166,4 +166,24 @@ int choose_level(const LevelSettings& settings, const PosedCage& cage)
     return std::isinf(target_edge) ? kCoarsest : std::clamp(std::ilogb(target_edge), kFinest, kCoarsest);
 }
 
+int level_of_boxes(const LevelSettings& settings, const PosedCage& cage) noexcept
+{
+    if (!settings.origin) return kFinestLevel;
+    const auto coordinate_at = [&](Vec3d place) {
+        const Vec3d away = glm::abs(place - *settings.origin);
+        return std::max({away.x, away.y, away.z});
+    };
+    // Edges are longer than steps of floats only where a cage is some hundred times as far away as it is large, so its
+    // radius does not count.
+    double coordinate = cage.segments > 0 ? kInfinity : coordinate_at(cage.anchor);
+    double before = 0;
+    for (int k = 0; cage.segments > 0 && k <= cage.segments; ++k) {
+        const double at_key = coordinate_at(cage.at_key(k).world_box(0).centre());
+        if (k > 0) coordinate = std::min(coordinate, std::max(before, at_key));
+        before = at_key;
+    }
+    const int level = ceil_log2(static_cast<float>(coordinate) * std::numeric_limits<float>::epsilon());
+    return std::clamp(level, kFinestLevel, kCoarsestLevel);
+}
+
 }  // namespace occam::lod

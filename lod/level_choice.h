@@ -13,4 +13,10 @@ namespace occam::lod {
 /// cage   with all of its keys, if it moves
 int choose_level(const LevelSettings& settings, const PosedCage& cage);
 
+/// Returns the level of edges that are as long as the steps of the floats in which the tree keeps boxes where the cage is
+/// (LevelSettings::origin). Boxes of finer tiles would be the same but for rounding, and a ray would meet many that it does
+/// not pass. A cage that moves has the least level of all segments of its motion, each by its end that is farther away.
+/// cage   as in choose_level()
+int level_of_boxes(const LevelSettings& settings, const PosedCage& cage) noexcept;
+
 }  // namespace occam::lod

@@ -33,8 +33,10 @@ bool chooses_level(const PosedCage& cage, const LevelSettings& levels) noexcept
     return cage.topology && levels.mode == LevelMode::PerInstance;
 }
 
-PosedCage& with_level(PosedCage& first, const LevelSettings& levels)
+/// Sets the levels of a cage that is posed, at its first key if it moves.
+PosedCage& with_levels(PosedCage& first, const LevelSettings& levels)
 {
+    if (first.topology) first.least_level = std::max(first.least_level, level_of_boxes(levels, first));
     if (chooses_level(first, levels)) first.level = std::min(kCoarsestLevel, choose_level(levels, first));
     return first;
 }
@@ -47,7 +49,7 @@ PosedCage& pose_moving(const CageMotion& motion, const PosedCage& cage, const Ca
     const int segments = placement.visible_in == PosedCage::kAllSegments
                              ? motion.segments(motion_tolerance(levels, motion.world_box()))
                              : placement.segments;
-    return with_level(motion.make_keys(cage, segments, tools), levels);
+    return with_levels(motion.make_keys(cage, segments, tools), levels);
 }
 
 PosedCage& pose_still(PosedCage& cage, const CagePlacement& placement, const LevelSettings& levels, const PosingTools& tools)
@@ -60,8 +62,7 @@ PosedCage& pose_still(PosedCage& cage, const CagePlacement& placement, const Lev
                     tools.counters);
     if (tools.textures) cage.displace(*tools.textures);
     cage.derive(tools.arena);
-    if (chooses_level(cage, levels)) cage.level = choose_level(levels, cage);
-    return cage;
+    return with_levels(cage, levels);
 }
 
 CageMotion motion_of(const CagePlacement& placement)
@@ -92,9 +93,9 @@ void for_each_size(const CagePlacement& placement, const LevelSettings& levels, 
                              ? motion.segments([&](int key) { return motion_tolerance(levels, motion.world_box_at(key)); })
                              : placement.segments;
     const std::vector<std::uint32_t> groups = motion.segments_by_size(segments);
-    if (groups.size() < 2) return visit(with_level(motion.make_keys(cage, segments, tools), levels));
+    if (groups.size() < 2) return visit(with_levels(motion.make_keys(cage, segments, tools), levels));
     for (const std::uint32_t shown : groups)
-        if (shown & placement.visible_in) visit(with_level(motion.make_keys_in(cage, shown, segments, tools), levels));
+        if (shown & placement.visible_in) visit(with_levels(motion.make_keys_in(cage, shown, segments, tools), levels));
 }
 
 }  // namespace occam::lod

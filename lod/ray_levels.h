@@ -58,6 +58,9 @@ public:
     static constexpr int kMost = 32;       ///< most pairs of all lanes together
     static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see find_ends()
     static constexpr float kFar = 1e30f;
+    /// A beam that is nowhere wider than its distances are rounded counts as if it grew by this: what it met would lie
+    /// anywhere in much longer parts of it, and where it has gone far it would meet thousands of such small things.
+    static constexpr float kLeastSpread = FLT_EPSILON;
 
     /// t_in, t_end   where the ray enters the scene, and where it leaves the scene or ends; both finite
     /// coordinate    the largest coordinate of the ray's origin
@@ -73,7 +76,8 @@ public:
         settings_ = &settings;
         const F zero = 0.0f;
         a_ = select(width.focus > zero, width.a, max(width.a, zero));
-        b_ = width.b;
+        const F least_spread(kLeastSpread);
+        b_ = select((width.b >= zero) & (a_ <= t_end * least_spread), max(width.b, least_spread), width.b);
         start_ = width.start;
         focus_ = width.focus;
         t_end_ = t_end;
@@ -83,7 +87,8 @@ public:
         const F at_origin = max(a_, zero), at_end = max(a_ + b_ * t_end_, zero);
         // There is no surface before the ray enters the scene, so the width there decides the finest pair.
         const F at_start = min(max(a_ + b_ * t_in, zero), at_end);
-        find_ends({max(at_origin, at_end), min(at_origin, at_end), at_start, abs(b_) * F(8 * settings.displaced)});
+        find_ends({max(at_origin, at_end), min(at_origin, at_end), at_start, abs(b_) * F(8 * settings.displaced),
+                   abs(b_) * (F(4.0f) * least_ulps_)});
         is_made_ = false;
         return coarsest - finest < kMost;
     }
@@ -289,6 +294,9 @@ private:
         /// further: to edges of kFinerThanEven of this length, or of kLeastOfDisplaced of the displacement if that is
         /// longer.
         F even;
+        /// The same where the overlap of segments makes margins long, because the ray begins where coordinates are large:
+        /// pairs of shorter edges have segments whose length follows from rounding. No beam sees finer ones.
+        F rounded;
     };
     /// Returns the edge length of the pair that a target edge length asks for.
     static F edge_at(F target) noexcept
@@ -300,7 +308,7 @@ private:
     {
         const F most_finer(edge_length(1 - kMostOfRay)), most_coarser(edge_length(kMostOfRay - 1)), zero = 0.0f;
         const F widest = edge_at(widths.widest), thinnest = edge_at(widths.thinnest);
-        F cap = widest * most_finer;
+        F cap = max(widest * most_finer, min(widest, edge_at(widths.rounded)));
         if (settings_->displaced > 0) {
             const F down = max(widths.even * F(kFinerThanEven), F(settings_->displaced * kLeastOfDisplaced));
             const F least = select(widths.thinnest > zero, min(widths.even, down), widths.even);

@@ -2,12 +2,19 @@
 // surface for itself between two levels, and goes from pair to pair near the hit (watertightness, rules 10 to 17).
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "accel/frame.h"
+#include "accel/tracer.h"
 #include "io/builtin/pieces.h"
 #include "tests/support/campaign.h"
 #include "tests/support/creased_cages.h"
 #include "tests/support/displaced_cages.h"
 #include "tests/support/made_cages.h"
+#include "tests/support/random_directions.h"
+#include "tests/support/shape_builders.h"
 #include "tests/support/shapes.h"
+#include "tests/support/tracer_stage.h"
 #include "verify/verify.h"
 
 namespace occam::test {
@@ -109,6 +116,43 @@ TEST(LevelsOfMirroredCage, LetNoRayOut)
     EXPECT_EQ(found.not_testable, "");
     EXPECT_EQ(found.escaped, 0u);
     EXPECT_EQ(found.front_side, 0u) << "the inside is the back";
+}
+
+// A cage that is small beside its distance from the origin of the tree's floats ends with a level that their steps tell
+// apart (rule 35). Rays see pairs around that level, coarser ones and finer ones, which are all the same.
+TEST(RoundedLevels, LetNoRayOutOfASmallCageInALargeWorld)
+{
+    constexpr double kSize = 1e-4;
+    Stage stage;
+    const CageId small = stage.scene.add(torus(12, 8, false));
+    place(stage.scene, small, {0, 0, 0}, kSize);
+    place(stage.scene, stage.scene.add(torus()), {0, 0, 0}, 10);
+    stage.scene.refit();
+    const accel::Frame frame(stage.scene, stage.topologies, {.eye = {0, 0, 8}, .pixel = {0, 0}});
+    accel::Tracer tracer(frame, kPlenty);
+    Random random(3);
+    std::vector<accel::Ray> rays(is_long() ? 1'000'000 : 20'000);
+    for (accel::Ray& ray : rays) {
+        const double a = 6.283185307 * random();
+        ray.origin = kSize * (Vec3d(std::cos(a), 0, std::sin(a)) + 0.2 * random.direction());
+        ray.direction = Vec3f(random.direction());
+        const auto width = static_cast<float>(kSize * std::exp2(-20 * random()) * 0.05);
+        const auto slope = static_cast<float>(std::exp2(-12 * random()) * 0.1);
+        switch (static_cast<int>(random() * 3)) {
+            case 0:
+                ray.footprint = {width, 0};
+                break;
+            case 1:
+                ray.footprint = {random() < 0.5 ? width : 0, slope};
+                break;
+            default:
+                ray.footprint = {width, -slope};
+        }
+    }
+    std::vector<accel::SurfaceHit> hits(rays.size());
+    tracer.closest(rays, hits);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        EXPECT_TRUE(hits[i].cage == small && hits[i].back_side && double(hits[i].t) < 3 * kSize) << "ray " << i;
 }
 
 }  // namespace

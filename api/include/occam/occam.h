@@ -187,17 +187,20 @@ struct Hit {
 };
 
 /// The full width of a ray's beam, which is `width + spread * t` at the distance t, in world length. It decides how fine the
-/// surfaces are that the ray sees: without a width, as fine as can be.
+/// surfaces are that the ray sees: without a width, as fine as can be. Only what rounding would hide is left out: edges are
+/// not much shorter than 1.2e-7 of the way that the ray has come, or of the surface's distance from the query's camera.
 struct RayFootprint {
     float width = 0, spread = 0;
 };
 
 /// A ray of a query. It is traced with a direction of floats, so at the distance t it is off by about 6e-8 t, in its
 /// position and by as much in what it hits: a ray that starts far from a small surface may miss it. Its origin is exact.
-/// `far` is rounded upwards to a float, so that surfaces there are hit, and those up to 3e-7 of it farther away may be. A
-/// ray whose origin or direction is not finite, whose direction is zero, whose `far` is not a number or whose origin is some
-/// 10^30 times the size of the scene away hits nothing. Questions throw Error, before any of their rays is traced, for a
-/// footprint or a time out of range, and for kinds that see nothing.
+/// `far` is rounded upwards to a float, so that surfaces there are hit, and those up to 3e-7 of it farther away may be. The
+/// levels of detail that a beam blends are chosen up to `far`, so another `far` may move what it hits by a small part of the
+/// beam's width: a ray that ends just behind a hit of a longer one need not hit it again. A ray whose origin or direction is
+/// not finite, whose direction is zero, whose `far` is not a number or whose origin is some 10^30 times the size of the
+/// scene away hits nothing. Questions throw Error, before any of their rays is traced, for a footprint or a time out of
+/// range, and for kinds that see nothing.
 struct QueryRay {
     Vec3d origin{0};
     Vec3d direction{0, 0, -1};                             ///< need not be unit
