@@ -66,7 +66,7 @@ bool EyeBody::passes(Probe& of, accel::Ray& ray, const accel::SurfaceHit& hit)
     const Material& m = *hit.material;
     if (!(m.transmission > 0) || !(m.thickness > 0)) return true;
     const shade::Surface s = shade::evaluate(shade_point(before, hit, texture_width_), textures_);
-    if (!s.bounds_body()) return true;
+    if (!s.bounds_body) return true;
     of.entered += hit.back_side ? -1 : 1;
     if (of.entered >= 0) return true;
     Place& place = places_[of.place];

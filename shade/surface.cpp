@@ -146,15 +146,21 @@ Vec3f absorption_in(const Material& m) noexcept
     return absorption;
 }
 
+// Says what lies behind the surface. It depends on the material alone and not on its textures, so that all parts of the
+// surface bound the same body.
+void add_body(const Material& m, Surface& s) noexcept
+{
+    s.bounds_body = is_straight_body(m) || (m.thickness > 0 && m.ior > 1 + kLeastBend);
+    if (s.bounds_body) s.absorption_inside = absorption_in(m);
+}
+
 // Handles the boundary of a body of the same index as the outside. However rough it is, it neither reflects nor bends light:
 // only the share that is metal or an opaque dielectric scatters.
-void add_straight_body(const Material& m, const MaterialValues& values, const Dielectric& dielectric, float share,
-                       Surface& s) noexcept
+void add_straight_body(const MaterialValues& values, const Dielectric& dielectric, float share, Surface& s) noexcept
 {
     const float metallic = std::clamp(values.metallic, 0.0f, 1.0f),
                 opaque = (1 - metallic) * (1 - std::min(values.transmission, 1.0f));
     s.is_straight = true;
-    s.absorption_inside = absorption_in(m);
     s.transmittance += s.opacity * share * tint_of_crossing(s.base_color);
     s.diffuse = s.base_color * opaque;
     s.f0 = dielectric.f0 * opaque + s.base_color * metallic;
@@ -169,15 +175,14 @@ void add_transmission(const Material& m, const MaterialValues& values, const Die
     const float metallic = std::clamp(values.metallic, 0.0f, 1.0f);
     const float transmission = std::min(values.transmission, 1.0f), share = transmission * (1 - metallic);
     if (!(share > 0)) return;
-    if (is_straight_body(m)) return add_straight_body(m, values, dielectric, share, s);
-    s.is_solid = m.thickness > 0 && m.ior > 1 + kLeastBend;
+    if (is_straight_body(m)) return add_straight_body(values, dielectric, share, s);
+    s.is_solid = s.bounds_body;
     if (s.is_solid) {
         s.solid_share = share;
         mix_opaque_rest(values, metallic, dielectric, s);
         s.transmission = tint_of_crossing(s.base_color);
         const float ior = std::min(m.ior, kMaxIor);
         s.eta = back_side ? 1 / ior : ior;
-        s.absorption_inside = absorption_in(m);
         return;
     }
     s.diffuse *= 1 - transmission;
@@ -293,7 +298,10 @@ Surface evaluate(const ShadePoint& point, const TextureStore& textures) noexcept
     s.transmittance = Vec3f(1 - s.opacity);
     s.unlit = m.unlit;
     s.base_color = s.unlit ? limited(s.base_color) : glm::min(limited(s.base_color), Vec3f(1));
-    if (s.unlit || s.opacity == 0) return s;
+    if (s.unlit) return s;
+    const bool is_hole = m.alpha_mode == AlphaMode::Mask && s.opacity == 0;
+    if (m.transmission > 0 && !is_hole) add_body(m, s);
+    if (s.opacity == 0) return s;
     if (!point.phase_one) {
         values.look_up_rest(m, point.texture, textures);
     }
@@ -349,7 +357,7 @@ StraightPass passes_straight(const ShadePoint& point, const TextureStore& textur
 {
     if (!may_pass(*point.material)) return {};
     const Surface s = evaluate(point, textures);
-    return {s.transmittance, s.bounds_body(), s.absorption_inside};
+    return {s.transmittance, s.bounds_body, s.absorption_inside};
 }
 
 float ambient_share(const ShadePoint& point, const TextureStore& textures) noexcept

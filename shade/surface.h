@@ -60,15 +60,17 @@ struct Surface {
     bool is_straight = false;  ///< It bounds a body that does not bend light: what passes straight on enters or leaves it.
     float solid_share = 1;     ///< Solid: the share of the surface that is glass. f0 and diffuse describe the rest.
     float eta = 1;             ///< solid: refractive index behind the surface over that on the eye's side
+    /// The surface bounds a body of either kind. All light that crosses it enters or leaves the body, also where the surface
+    /// is metal, opaque or not there because it blends.
+    bool bounds_body = false;
     /// Coefficient per world length inside of the body that the surface bounds (Beer-Lambert).
     Vec3f absorption_inside{0};
 
-    bool bounds_body() const noexcept { return is_solid || is_straight; }
     /// Returns the coefficient that holds on the far side of the surface, seen from the back or from the front.
     /// here   that on the eye's side, which is also that behind a surface that bounds no body
     Vec3f absorption_behind(bool back_side, Vec3f here) const noexcept
     {
-        return !bounds_body() ? here : back_side ? Vec3f(0) : absorption_inside;
+        return !bounds_body ? here : back_side ? Vec3f(0) : absorption_inside;
     }
     /// Returns true if light passes straight on and none is scattered.
     bool only_passes() const noexcept { return is_straight && is_matte && diffuse == Vec3f(0); }

@@ -258,6 +258,35 @@ TEST(BlendedBodies, TakeLightWithinThemAloneAtAnyIndex)
             }
 }
 
+// One side of a box lets light pass beside its glass: it is not there, or it is metal where it is.
+TEST(BlendedBodies, AreLeftAndEnteredWhereTheyAreNotOfGlass)
+{
+    for (const float ior : {1.0f, 1.01f})
+        for (const Vec2f alpha_and_metal : {Vec2f(0, 0), Vec2f(0.01f, 1)})
+            for (const double wall : {-2.0, -5.0}) {
+                BodyStage stage;
+                Material m = body_of(ior);
+                m.alpha_mode = AlphaMode::Blend;
+                m.base_color.w = 0.5f;
+                Material lower = m;
+                lower.base_color.w = alpha_and_metal.x;
+                lower.metallic = alpha_and_metal.y;
+                Cage box = triangle_box();
+                for (std::size_t corner = 0; corner < box.face_vertices.size(); corner += 3) {
+                    const auto is_low = [&](std::size_t k) { return box.positions[box.face_vertices[corner + k]].y < 0; };
+                    box.face_slots.push_back(is_low(0) && is_low(1) && is_low(2));
+                }
+                box.materials = {stage.scene.add(m), stage.scene.add(lower)};
+                NodeDesc desc;
+                desc.place.scale = {20, 1, 20};
+                desc.cages = {stage.scene.add(std::move(box))};
+                stage.scene.add_node(stage.scene.root(), desc);
+                stage.put(level_square(20), shining(1), {0, wall, 0});
+                stage.settings.spp = 256;
+                expect_close(stage.seen_from({0, 9, 0}), left_after(2), 0.015);  // 0.01 of metal lets nothing pass
+            }
+}
+
 // A film dims a floor behind it, and the way from there to a lamp that does not shine through it.
 TEST(BlendedBodies, TakeNothingFromLightThatComesToASurfaceBehindThem)
 {
