@@ -58,9 +58,6 @@ public:
     static constexpr int kMost = 32;       ///< most pairs of all lanes together
     static constexpr float kFinerThanEven = 0x1p-5f, kLeastOfDisplaced = 0x1p-6f;  ///< see find_ends()
     static constexpr float kFar = 1e30f;
-    /// A beam that is nowhere wider than its distances are rounded counts as if it grew by this: what it met would lie
-    /// anywhere in much longer parts of it, and where it has gone far it would meet thousands of such small things.
-    static constexpr float kLeastSpread = FLT_EPSILON;
 
     /// t_in, t_end   where the ray enters the scene, and where it leaves the scene or ends; both finite
     /// coordinate    the largest coordinate of the ray's origin
@@ -76,8 +73,7 @@ public:
         settings_ = &settings;
         const F zero = 0.0f;
         a_ = select(width.focus > zero, width.a, max(width.a, zero));
-        const F least_spread(kLeastSpread);
-        b_ = select((width.b >= zero) & (a_ <= t_end * least_spread), max(width.b, least_spread), width.b);
+        b_ = width.b;
         start_ = width.start;
         focus_ = width.focus;
         t_end_ = t_end;

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -18,14 +17,6 @@ inline constexpr float kFar = lod::RayLevels<float>::kFar;
 struct Beam {
     float a, b, t_end, t_in = 0, start = 0, focus = 0;
 };
-
-/// Returns the width that a beam asks for at a distance: one that is thinner than rounding counts as growing.
-inline float width_at(const Beam& beam, float t)
-{
-    constexpr float kLeast = lod::RayLevels<float>::kLeastSpread;
-    const bool is_thin = beam.b >= 0 && beam.a <= beam.t_end * kLeast;
-    return beam.a + (is_thin ? std::max(beam.b, kLeast) : beam.b) * t;
-}
 
 /// Returns the table of a beam.
 inline lod::RayLevels<float> table_of(const Beam& beam, const lod::LevelSettings& settings)

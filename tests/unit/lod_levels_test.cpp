@@ -49,7 +49,7 @@ TEST(RayLevels, BeginWhereTheRayEntersTheScene)
         beam.t_in = beam.t_end * 0.75f;
         const lod::RayLevels<float> late = table_of(beam, settings);
         EXPECT_EQ(late.coarsest, whole.coarsest);
-        const float width = width_at(beam, beam.t_in);
+        const float width = beam.a + beam.b * beam.t_in;
         if (beam.b < 0 || !(width > 0)) {
             EXPECT_EQ(late.finest, whole.finest);
             continue;
@@ -74,7 +74,7 @@ TEST(RayLevels, AreNeverCoarserThanAskedAndKeepTheirLeastLength)
             if (begin >= end) continue;
             for (const float t : {std::max(begin, 0.0f), std::min(end, beam.t_end)}) {
                 if (t < begin || t > end || pair == table.finest) continue;
-                EXPECT_LE(d, width_at(beam, t) * 1.0001f + beam.a * 3e-7f)
+                EXPECT_LE(d, (beam.a + beam.b * t) * 1.0001f + beam.a * 3e-7f)
                     << "pair " << pair << " at " << t << " of " << beam.a << " + " << beam.b << " t";
             }
             const bool has_both_ends = begin > 0 && end < beam.t_end;

@@ -188,7 +188,8 @@ struct Hit {
 
 /// The full width of a ray's beam, which is `width + spread * t` at the distance t, in world length. It decides how fine the
 /// surfaces are that the ray sees: without a width, as fine as can be. Only what rounding would hide is left out: edges are
-/// not much shorter than 1.2e-7 of the way that the ray has come, or of the surface's distance from the query's camera.
+/// not much shorter than 1.2e-7 of the surface's distance from the query's camera. A ray without a width that begins more
+/// than some 10^5 times the size of a surface away from it may meet so many of its details that the question is refused.
 struct RayFootprint {
     float width = 0, spread = 0;
 };
