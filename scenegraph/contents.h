@@ -54,9 +54,8 @@ struct Contents {
     /// volume of the box around them all. See depth_in().
     double held = 0;
     double most_depth = 0;  ///< the largest depth_in() of the nodes
-    /// The same by areas: they count by the number of them that a ray passes times the area of the box around them all. See
-    /// passed_in().
-    double passed = 0;
+    /// The sum of their areas, in the node's axes; of those of a cage that is deformed, at rest. See passed_in().
+    double passing_area = 0;
     double most_passed = 0;  ///< the largest passed_in() of the nodes
     /// The sum over all that is placed below of the terms that a frame may add up to pose the vertices: vertices times morph
     /// targets whose weight is not 0, and four for each set of joints that a vertex has; for each key of a shutter in which
@@ -78,7 +77,7 @@ struct Contents {
         most_layers = std::max(most_layers, other.most_layers);
         held += other.held;
         most_depth = std::max(most_depth, other.most_depth);
-        passed += other.passed;
+        passing_area += other.passing_area;
         most_passed = std::max(most_passed, other.most_passed);
         pose_terms += other.pose_terms;
     }
@@ -90,7 +89,9 @@ struct Contents {
         placed.poles = other.poles.scaled(stretch);
         placed.crossed = other.layers_in(own) * size_of(box);
         placed.held = other.depth_in(own) * volume_of(box);
-        placed.passed = other.passed_in(own) * area_of(box);
+        // Boxes grow where nodes turn and move, and surfaces do not.
+        const double by_boxes = area_of(box) / area_of(own);
+        placed.passing_area *= std::isfinite(by_boxes) ? std::min(stretch * stretch, by_boxes) : stretch * stretch;
         ++placed.levels;
         add(placed);
     }
@@ -113,7 +114,7 @@ struct Contents {
     /// area.
     double passed_in(const Box3d& box) const noexcept
     {
-        const double passes = passed / area_of(box);
+        const double passes = passing_area / area_of(box);
         return std::isfinite(passes) ? passes : 0;
     }
     /// Returns half the area of a box.
@@ -156,11 +157,11 @@ struct Cage;
 struct FaceLayers {
     /// What counts of those faces that light may pass.
     struct Passing {
-        double held = 0;    ///< in how many boxes of faces a point of the cage's box lies, 1 at least if there is a face
-        double passed = 0;  ///< how many faces a ray meets that crosses that box, by their areas
+        double held = 0;  ///< in how many boxes of faces a point of the cage's box lies, 1 at least if there is a face
+        double area = 0;  ///< the sum of their areas at rest
     };
     double crossed = 1;            ///< how many surfaces a ray meets that passes through the cage's box, 1 at least
-    Passing all{1, 1};             ///< of all faces
+    Passing all{1, 0};             ///< of all faces
     std::vector<Passing> of_slot;  ///< of each material slot; empty if all faces are of the first one
 
     FaceLayers() = default;
@@ -179,7 +180,7 @@ struct FaceLayers {
             if (!has(slot)) continue;
             has_any = true;
             sum.held += of_slot[slot].held;
-            sum.passed += of_slot[slot].passed;
+            sum.area += of_slot[slot].area;
         }
         if (has_any) sum.held = std::max(1.0, sum.held);
         return sum;

@@ -44,23 +44,24 @@ public:
         if (of_slot_.empty()) return;
         FaceLayers::Passing& slot = of_slot_[std::min<std::size_t>(cage_.face_slots[face], of_slot_.size() - 1)];
         slot.held += volume;
-        slot.passed += area;
+        slot.area += area;
     }
     /// Writes how many surfaces a ray meets, and in how many boxes a point lies: at least 1, and 1 for what is a point,
     /// flat, or overflows.
     ///
+    /// Returns how many faces a ray passes that crosses the cage's box.
     /// scale   the number of the cage's faces for each that was added
-    void write(double scale, FaceLayers& layers) const noexcept
+    double write(double scale, FaceLayers& layers) const noexcept
     {
         constexpr double kOfAClosedSurface = 3;  // what the boxes of its faces come to: 2.7 for a cube
-        const double to_depth = scale / Contents::volume_of(whole_), to_passed = scale / Contents::area_of(whole_);
-        const double across = scale * sizes_ / Contents::size_of(whole_), depth = to_depth * volumes_,
-                     passed = to_passed * areas_;
+        const double to_depth = scale / Contents::volume_of(whole_);
+        const double across = scale * sizes_ / Contents::size_of(whole_), depth = to_depth * volumes_;
         layers.crossed = std::isfinite(across) && whole_.extent() != Vec3d(0) ? std::max(1.0, across - kOfAClosedSurface)
                                                                               : 1;
-        layers.all = {std::isfinite(depth) ? std::max(1.0, depth) : 1, std::isfinite(passed) ? passed : 0};
+        layers.all = {std::isfinite(depth) ? std::max(1.0, depth) : 1, scale * areas_};
         for (FaceLayers::Passing& slot : of_slot_)
-            slot = {std::isfinite(depth) ? to_depth * slot.held : 0, std::isfinite(passed) ? to_passed * slot.passed : 0};
+            slot = {std::isfinite(depth) ? to_depth * slot.held : 0, scale * slot.area};
+        return scale * areas_ / Contents::area_of(whole_);
     }
 
 private:
@@ -72,8 +73,8 @@ private:
 };
 
 /// Measures the layers by one face of every `step`. Which one it is changes, so that a regular order of the faces has no
-/// influence.
-void measure_by(const Cage& cage, std::size_t step, FaceLayers& layers) noexcept
+/// influence. Returns as LayerSums::write().
+double measure_by(const Cage& cage, std::size_t step, FaceLayers& layers) noexcept
 {
     LayerSums sums(cage, layers.of_slot);
     std::size_t first = 0;
@@ -82,7 +83,7 @@ void measure_by(const Cage& cage, std::size_t step, FaceLayers& layers) noexcept
         if (step == 1 || face % step == mix_bits(face / step) % step) sums.add(face, first, corners);
         first += corners;
     }
-    sums.write(double(step), layers);
+    return sums.write(double(step), layers);
 }
 
 }  // namespace
@@ -95,8 +96,8 @@ void FaceLayers::measure(const Cage& cage)
     constexpr std::size_t kLookedAt = 1024;
     constexpr double kMany = 64;
     const std::size_t step = std::max<std::size_t>(1, cage.face_count() / kLookedAt);
-    measure_by(cage, step, *this);
-    if (step > 1 && (crossed > kMany || all.held > kMany || all.passed > kMany)) measure_by(cage, 1, *this);
+    const double passed = measure_by(cage, step, *this);
+    if (step > 1 && (crossed > kMany || all.held > kMany || passed > kMany)) measure_by(cage, 1, *this);
 }
 
 }  // namespace occam

@@ -124,7 +124,7 @@ std::size_t Scene::State::refit_node(NodeId id, NodeRecord& node)
         if (!contents.has(Contents::Passing)) continue;
         const FaceLayers::Passing passing = node.materials.empty() ? cage->passing : passing_faces(*cage, node.materials);
         contents.held += Contents::volume_of(box) * passing.held;
-        contents.passed += Contents::area_of(box) * passing.passed;
+        contents.passing_area += passing.area;
     }
     const auto box_of = [&](std::size_t i) {
         const Node* child = nodes.find(node.children[i]);

@@ -181,9 +181,11 @@ FaceLayers::Passing Scene::State::passing_faces(const CageRecord& cage, const st
         const Material* m = materials.find(id);
         return m && (kinds_of(*m) & Contents::Passing) != 0;
     };
-    // Nobody knows which slots the faces of a cage on demand have.
+    // Nobody knows which slots the faces of a cage on demand have, nor how large they are.
     if (cage.is_on_demand())
-        return std::any_of(shown.begin(), shown.end(), passes) ? cage.layers.all : FaceLayers::Passing();
+        return std::any_of(shown.begin(), shown.end(), passes)
+                   ? FaceLayers::Passing{cage.layers.all.held, Contents::area_of(cage.bounds)}
+                   : FaceLayers::Passing();
     return cage.layers.of_those(shown.size(), [&](std::size_t slot) { return passes(shown[slot]); });
 }
 

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "scenegraph/scene.h"
+#include "tests/support/random_directions.h"
 
 namespace occam {
 namespace {
@@ -116,6 +117,67 @@ TEST(Contents, PanesInARowAreRefusedBeyondTheirLimit)
     EXPECT_EQ(refusal_of(kMost / 2, 1, faint), "");
     EXPECT_EQ(refusal_of(1, kMost / 2, faint), "");
     EXPECT_EQ(refusal_of(2 * kMost, 1, Material{}), "") << "an opaque surface ends a ray";
+}
+
+// The boxes of what moves and of what turns are larger than it is.
+TEST(Contents, SurfacesThatLightPassesCountByTheirAreasWhereTheyMoveAndTurn)
+{
+    Material faint;
+    faint.alpha_mode = AlphaMode::Blend;
+    for (const bool moves : {false, true}) {
+        Scene scene;
+        Cage spark = panes_in_a_row(1);
+        spark.materials = {scene.add(faint)};
+        const CageId id = scene.add(std::move(spark));
+        test::Random random(3);
+        std::vector<Vec3d> places, ways;
+        std::vector<NodeId> sparks;
+        for (int i = 0; i < 4000; ++i) {
+            places.push_back(random.direction());
+            ways.push_back(random.direction());
+            sparks.push_back(scene.add_node(scene.root(),
+                                            {.place = {.translation = places.back(), .scale = Vec3d(0.01)}, .cages = {id}}));
+        }
+        if (moves)
+            scene.record_shutter(1, [&](double tau) {
+                for (std::size_t i = 0; i < sparks.size(); ++i)
+                    scene.set_transform(sparks[i], Trs{.translation = places[i] + tau * ways[i], .scale = Vec3d(0.01)});
+            });
+        scene.refit();
+        // 4,000 squares of 0.01 in a cube of a side of 2, or of 4 where they move.
+        EXPECT_NEAR(scene.contents().passed_in(scene.bounds()), 4000 * 1e-4 / (moves ? 48 : 12), moves ? 0.003 : 0.005)
+            << moves;
+    }
+
+    // A square under ten nodes, each of which turns by the eighth of a turn, has a box that grows ten times.
+    Scene scene;
+    Cage pane = panes_in_a_row(1);
+    pane.materials = {scene.add(faint)};
+    const CageId id = scene.add(std::move(pane));
+    NodeId at = scene.root();
+    constexpr double kHalf = 0.39269908169872414;
+    for (int i = 0; i < 10; ++i) at = scene.add_node(at, {.place = {.rotation = {0, std::sin(kHalf), 0, std::cos(kHalf)}}});
+    scene.add_node(at, {.cages = {id}});
+    scene.refit();
+    EXPECT_NEAR(scene.contents().passing_area, 1, 1e-6);
+}
+
+TEST(Contents, PanesOnDemandAreCountedByTheirBoxes)
+{
+    for (const int panes : {100, 2000}) {
+        Scene scene;
+        Material faint;
+        faint.alpha_mode = AlphaMode::Blend;
+        const MaterialId material = scene.add(faint);
+        const CageId id = scene.add(OnDemandCage{.name = "pane",
+                                                 .bounds = {Vec3d(0, 0, -1e-6), Vec3d(1, 1, 1e-6)},
+                                                 .make = [] { return panes_in_a_row(1); },
+                                                 .materials = {material}});
+        for (int i = 0; i < panes; ++i)
+            scene.add_node(scene.root(), {.place = {.translation = {0, 0, i * 1e-5}}, .cages = {id}});
+        scene.refit();
+        EXPECT_NEAR(scene.contents().most_passed, panes, 0.05 * panes);
+    }
 }
 
 // Slivers that blend have large boxes, but a ray meets few of them.

@@ -145,10 +145,10 @@ TEST(SceneMarks, NodesDoNotLookAtEachMaterialOfTheirCage)
     expect_kinds(0, 0, "all are opaque");
     scene.replace(materials[42], blended);
     expect_kinds(Contents::Passing, 0, "one slot blends");
-    const double passed = scene.contents().passed;
+    const double passed = scene.contents().passing_area;
     scene.replace(materials[43], blended);
     expect_kinds(Contents::Passing, 0, "two slots blend");
-    EXPECT_NEAR(scene.contents().passed, 2 * passed, 1e-9 * passed);
+    EXPECT_NEAR(scene.contents().passing_area, 2 * passed, 1e-9 * passed);
     scene.replace(materials[42], Material{});
     scene.replace(materials[43], Material{});
     scene.replace(materials[7], blended);
