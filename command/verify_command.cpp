@@ -55,10 +55,11 @@ int run(const VerifyArguments& a)
     if (a.settings.shutter != Shutter{}) framing.open_shutter(framing.camera());
     if (!a.replay.empty()) return replay(scene, a.test, a.replay, std::cout) ? 0 : 1;
     const std::vector<VerifiedCage> cages = verify(scene, a.test);
-    std::uint64_t tested = 0, rays = 0, escaped = 0, not_finite = 0;
+    std::uint64_t tested = 0, failed = 0, rays = 0, escaped = 0, not_finite = 0;
     Json list = Json::array();
     for (const VerifiedCage& c : cages) {
         tested += c.not_testable.empty();
+        failed += c.has_failed;
         rays += c.rays;
         escaped += c.escaped;
         not_finite += c.not_finite;
@@ -78,10 +79,13 @@ int run(const VerifyArguments& a)
         std::cout << tested << " of " << cages.size() << " cages tested, " << rays << " rays, " << escaped << " escaped, "
                   << not_finite << " not finite\n";
     }
-    if (tested == 0 && escaped + not_finite == 0)
+    if (escaped + not_finite > 0) return 1;
+    if (failed > 0)
+        throw Error(name_of_scene(a), "the test of " + std::to_string(failed) + " of its cages ended with an error");
+    if (tested == 0)
         throw Error(name_of_scene(a),
                     cages.empty() ? "has no cage to test" : "none of its cages can be tested, so nothing was shown");
-    return escaped + not_finite > 0 ? 1 : 0;
+    return 0;
 }
 
 }  // namespace occam::command

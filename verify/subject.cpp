@@ -28,11 +28,17 @@ Subject::Subject(const ShownCage& shown, const TextureStore* textures, std::size
     // The frame's tolerance is that of exact paths, too.
     lod::LevelSettings exact;
     exact.motion_edges = 0;
-    lod::for_each_size({slot, node, node_, scene_.find(node.skin), matrices, scene_.shutter_segments()}, exact,
-                       {tables, textures, pose_, deform_}, [&](const lod::PosedCage& posed) {
-                           if (size_count_++ == size) posed_ = &posed;
-                       });
+    const auto pose = [&] {
+        size_count_ = 0;
+        lod::for_each_size({slot, node, node_, scene_.find(node.skin), matrices, scene_.shutter_segments()}, exact,
+                           {tables, textures, pose_, deform_}, [&](const lod::PosedCage& posed) {
+                               if (size_count_++ == size) posed_ = &posed;
+                           });
+    };
+    pose();
     if (!posed_) return;
+    exact.origin = posed_->anchor;  // as in the frame, whose eye is there
+    pose();
     const lod::Topology& topology = *posed_->topology;
     for (std::uint32_t face = 0; face < topology.face_count(); ++face)
         for (std::uint32_t sub = 0; topology.is_seen(face) && sub < topology.patches_of(face); ++sub)

@@ -69,6 +69,7 @@ void test_each_size(const ShownCage& shown, const VerifySettings& settings, cons
             return true;
         });
     } catch (const Error& e) {
+        report.has_failed = true;
         report.not_testable = report.rays == 0
                                   ? e.what()
                                   : "its test ended after " + std::to_string(report.rays) + " rays: " + e.what();

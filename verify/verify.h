@@ -39,6 +39,7 @@ struct VerifiedCage {
     /// The reason; empty if the cage was tested. If its test ended with an error, as for want of memory, this says so, and
     /// rays that were sent before count all the same.
     std::string not_testable;
+    bool has_failed = false;   ///< its test ended with an error
     std::uint64_t starts = 0;  ///< points inside from which rays start
     /// The number of faces that no ray met, at the size of the cage at which there are most of them. Points inside are
     /// looked for behind faces that were not met, until all are, or the finer meshes that this takes would be too large.

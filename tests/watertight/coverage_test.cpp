@@ -126,6 +126,7 @@ TEST(Coverage, AnErrorOfOneCageLeavesTheOthersToBeTested)
         const bool is_one = cage.node == "one";
         EXPECT_EQ(cage.not_testable.empty(), is_one) << cage.not_testable;
         EXPECT_EQ(cage.not_testable.find("surfaces lie in one place") != std::string::npos, !is_one) << cage.not_testable;
+        EXPECT_EQ(cage.has_failed, !is_one);
         EXPECT_EQ(cage.rays, is_one ? 512u : 0u);
     }
 }
