@@ -2,6 +2,9 @@
 // always the same.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
+
 #include "accel/memory_floor.h"
 #include "base/arena.h"
 #include "lod/vertex_shader.h"
@@ -290,7 +293,9 @@ TEST(Memory, TheFloorHoldsTheLongestWayDownWhetherTheSceneIsRefittedOrNot)
     EXPECT_EQ(floor(), shown);
 }
 
-// A game makes hundreds of thousands of frames in one process. Each of them had left 7 to 8 KB behind, 4 MB in this test.
+// A game makes hundreds of thousands of frames in one process. Each of them had left 7 to 8 KB behind, 2 MB in each block of
+// frames here. What the allocator keeps for itself grows in the first frames, too, more so in a process of many tests, but
+// ends.
 TEST(RenderMemory, FramesLeaveNothingBehind)
 {
     if (!test::can_measure_memory()) GTEST_SKIP() << "sanitizers have allocators of their own, or there is no /proc";
@@ -298,13 +303,14 @@ TEST(RenderMemory, FramesLeaveNothingBehind)
     place(scene, scene.add(prism(4)), {0, 0, 0}, 1);
     const Camera camera = Camera::look_at({0, 2, 6}, {0, 0, 0}, {0, 1, 0}, 0.9f);
     Renderer renderer({.threads = 2, .memory_bytes = std::size_t(32) << 20});
-    const auto make = [&](int frames) {
+    const auto growth_in = [&](int frames) {
+        const std::size_t before = test::resident_bytes();
         for (int i = 0; i < frames; ++i) renderer.render(scene, camera, {.width = 16, .height = 12, .spp = 1});
+        return static_cast<std::ptrdiff_t>(test::resident_bytes()) - static_cast<std::ptrdiff_t>(before);
     };
-    make(50);
-    const std::size_t before = test::resident_bytes();
-    make(250);
-    EXPECT_LT(test::resident_bytes(), before + (std::size_t(1000) << 10));
+    growth_in(50);
+    const std::ptrdiff_t least = std::min({growth_in(250), growth_in(250), growth_in(250)});
+    EXPECT_LT(least, std::ptrdiff_t(1000) << 10);
 }
 
 }  // namespace
