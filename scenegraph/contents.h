@@ -54,7 +54,8 @@ struct Contents {
     /// volume of the box around them all. See depth_in().
     double held = 0;
     double most_depth = 0;  ///< the largest depth_in() of the nodes
-    /// The sum of their areas, in the node's axes; of those of a cage that is deformed, at rest. See passed_in().
+    /// The sum of the areas of the surfaces that light may pass, in the node's axes; those of a deformed cage count at rest.
+    /// See passed_in().
     double passing_area = 0;
     double most_passed = 0;  ///< the largest passed_in() of the nodes
     /// The sum over all that is placed below of the terms that a frame may add up to pose the vertices: vertices times morph

@@ -260,41 +260,36 @@ std::string figure(double number)
     return text;
 }
 
+/// A limit on the surfaces that rays may have to meet in a node.
+struct LayerLimit {
+    double (Contents::*in)(const Box3d&) const noexcept;  ///< what is limited, of a node with a box
+    double Contents::*largest;                            ///< the largest of it among the nodes below
+    double most;
+    const char *before, *after;  ///< what a refusal says before and after the figure
+};
+
+constexpr LayerLimit kLayerLimits[] = {
+    {&Contents::layers_in, &Contents::most_layers, kMostLayers,
+     "too many surfaces lie in one place: a ray would have to meet about ", " of them"},
+    {&Contents::depth_in, &Contents::most_depth, kMostDepth,
+     "too many surfaces that light passes overlap: behind each of them a ray would have to look at about ", " others"},
+    {&Contents::passed_in, &Contents::most_passed, kMostPassed,
+     "too many surfaces that light passes lie one behind the other: a ray would have to pass about ", " of them"},
+};
+
 }  // namespace
 
 void check_layers(const Scene& scene)
 {
     const Contents& all = scene.node(scene.root()).contents;
-    if (all.most_layers > kMostLayers) {
+    for (const LayerLimit& limit : kLayerLimits) {
+        if (!(all.*limit.largest > limit.most)) continue;
         const Node& worst = node_at_fault(
-            scene, [](const Node& n) { return n.contents.layers_in(n.bounds) > kMostLayers; },
-            [](const Node& n) { return n.contents.most_layers; });
-        throw error_without_file("too many surfaces lie in one place: a ray would have to meet about " +
-                                     figure(worst.contents.most_layers) + " of them, and " +
-                                     std::to_string(static_cast<int>(kMostLayers)) + " is the limit",
+            scene, [&](const Node& n) { return (n.contents.*limit.in)(n.bounds) > limit.most; },
+            [&](const Node& n) { return n.contents.*limit.largest; });
+        throw error_without_file(limit.before + figure(worst.contents.*limit.largest) + limit.after + ", and " +
+                                     std::to_string(static_cast<int>(limit.most)) + " is the limit",
                                  naming(worst));
-    }
-    if (all.most_depth > kMostDepth) {
-        const Node& worst = node_at_fault(
-            scene, [](const Node& n) { return n.contents.depth_in(n.bounds) > kMostDepth; },
-            [](const Node& n) { return n.contents.most_depth; });
-        throw error_without_file(
-            "too many surfaces that light passes overlap: behind each of them a ray would have to "
-            "look at about " +
-                figure(worst.contents.most_depth) + " others, and " + std::to_string(static_cast<int>(kMostDepth)) +
-                " is the limit",
-            naming(worst));
-    }
-    if (all.most_passed > kMostPassed) {
-        const Node& worst = node_at_fault(
-            scene, [](const Node& n) { return n.contents.passed_in(n.bounds) > kMostPassed; },
-            [](const Node& n) { return n.contents.most_passed; });
-        throw error_without_file(
-            "too many surfaces that light passes lie one behind the other: a ray would have to pass "
-            "about " +
-                figure(worst.contents.most_passed) + " of them, and " + std::to_string(static_cast<int>(kMostPassed)) +
-                " is the limit",
-            naming(worst));
     }
     if (all.pose_terms > kMostPoseTerms) {
         const auto terms = [](const Node& n) { return n.contents.pose_terms; };
