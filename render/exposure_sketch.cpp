@@ -29,7 +29,9 @@ float exposure_of_sketch(const FrameInputs& in, const FrameSetup& setup, FrameTr
     const Settings settings = sketch_settings(in.settings);
     const CameraRays camera = camera_of(settings, setup.scale, in.camera);
     const Sampler sampler(kSketchSeed, settings.spp, settings.jitter);
-    FrameContext context{settings, camera, sampler, setup.filter, setup.lights, in.textures, setup.context.may_pass};
+    PassBudget passes(settings);
+    FrameContext context{settings, camera, sampler, setup.filter, setup.lights, in.textures, passes};
+    context.may_pass = setup.context.may_pass;
     context.moves = setup.context.moves;
     context.may_start_in_body = setup.context.may_start_in_body;
     context.scene = setup.context.scene;

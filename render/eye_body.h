@@ -23,8 +23,9 @@ namespace occam::render {
 
 class EyeBody {
 public:
-    /// Borrows the textures.
-    EyeBody(const TextureStore& textures, float texture_width) noexcept : textures_(textures), texture_width_(texture_width)
+    /// Borrows the textures and the budget.
+    EyeBody(const TextureStore& textures, PassBudget& passes, float texture_width) noexcept
+        : textures_(textures), texture_width_(texture_width), probes_(passes)
     {
     }
 

@@ -77,11 +77,13 @@ FrameSetup::FrameSetup(const FrameInputs& in)
       filter(in.settings.filter, in.settings.filter_radius),
       sampler(in.settings.seed, in.settings.spp, in.settings.jitter),
       lights(lights_of(in, scale)),
-      context{in.settings, camera, sampler, filter, lights, in.textures, in.scene.contents().has(Contents::Passing)},
+      passes(in.settings),
+      context{in.settings, camera, sampler, filter, lights, in.textures, passes},
       phase_one(in.textures),
       holes(in.textures, !in.settings.back_faces),
       frame(in.scene, in.topologies, levels, {&in.textures, shading_of(in, phase_one, holes), scale, in.resources.tree})
 {
+    context.may_pass = in.scene.contents().has(Contents::Passing);
     context.scene = &in.scene;
     context.scale = scale;
     context.moves = camera.moves() || in.scene.shutter_segments() > 0;

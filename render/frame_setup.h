@@ -26,6 +26,7 @@ struct FrameSetup {
     PixelFilter filter;
     Sampler sampler;
     shade::FrameLights lights;
+    PassBudget passes;
     FrameContext context;
     shade::PhaseOne phase_one;
     HoleFilter holes;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "base/luminance.h"
 #include "render/light_limit.h"
@@ -29,8 +30,8 @@ Integrator::Integrator(const FrameContext& context)
       has_mattes_(context.settings.has(Aov::CryptomatteObject) || context.settings.has(Aov::CryptomatteMaterial)),
       shows_cost_(shows_cost(context.settings.view)),
       wants_occlusion_(context.settings.integrator == IntegratorKind::Ao || context.settings.has(Aov::Occlusion)),
-      shadows_(context.textures, context.scale, {context.may_pass, texture_width_, context.log}),
-      eye_body_(context.textures, texture_width_),
+      shadows_(context.textures, context.passes, context.scale, {context.may_pass, texture_width_, context.log}),
+      eye_body_(context.textures, context.passes, texture_width_),
       seeks_eye_body_(context.may_start_in_body && context.settings.view == View::Beauty)
 {
     waits_ = !context.log && context.settings.light_samples == 1 && context.lights.tree().is_empty() &&
@@ -343,6 +344,7 @@ bool Integrator::pass_straight(std::size_t i, const Path& path, float t, const P
     }
     paths_[i] = next;
     rays_[i] = behind(rays_[i], t);
+    ++passed_;
     return true;
 }
 
@@ -368,6 +370,7 @@ void Integrator::group_by_hits()
 
 void Integrator::extend()
 {
+    context_.passes.spend(std::exchange(passed_, 0));
     paths_.swap(next_paths_);
     rays_.swap(next_rays_);
     next_paths_.clear();

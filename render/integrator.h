@@ -30,7 +30,7 @@
 #include "render/cryptomatte.h"
 #include "render/eye_body.h"
 #include "render/film.h"
-#include "render/filter.h"
+#include "render/frame_context.h"
 #include "render/path.h"
 #include "render/sampler.h"
 #include "render/settings.h"
@@ -39,28 +39,6 @@
 #include "shade/light_lanes.h"
 
 namespace occam::render {
-
-class PathLog;
-
-/// Holds what all workers read.
-struct FrameContext {
-    const Settings& settings;
-    const CameraRays& camera;
-    const Sampler& sampler;
-    const PixelFilter& filter;
-    const shade::FrameLights& lights;
-    const TextureStore& textures;
-    bool may_pass = false;                ///< some material of the scene transmits light straight on
-    bool moves = false;                   ///< something moves while the shutter is open: samples have moments
-    bool may_start_in_body = false;       ///< some body of the scene absorbs light, and camera rays may start in it
-    float depth_near = 0, depth_far = 1;  ///< camera z of the scene, for View::Depth
-    const Scene* scene = nullptr;         ///< has the names that Cryptomatte needs
-    FrameScale scale{};                   ///< all other lengths of the frame are in its unit
-    static constexpr std::size_t kShadowBatch = 16384;
-    std::size_t shadow_batch = kShadowBatch;  ///< shadow rays that may wait before they are traced
-    float clamp = settings.clamp;             ///< Settings::clamp, or what it is for the exposure that was measured
-    PathLog* log = nullptr;                   ///< if not null, it is told what happens to the path of the only sample
-};
 
 struct CameraSample {
     int x = 0, y = 0;  ///< pixel of the whole frame
@@ -353,6 +331,7 @@ private:
     bool shows_cost_;       ///< the view shows what rays cost
     bool wants_occlusion_;  ///< occlusion maps are looked up, for `ao` or for the layer
     IntegratorCounters counters_;
+    std::uint64_t passed_ = 0;  ///< the number of surfaces that paths have passed since the budget was asked
 
     // These are parallel arrays, kept from batch to batch for their memory.
     KeptVector<Path> paths_, next_paths_;

@@ -61,7 +61,9 @@ std::vector<Glimpse> small_picture(const FrameInputs& in, const FrameScale& scal
     const CameraRays camera(scale.placed(in.camera), settings.width, settings.height, settings.spp, settings.shading_rate);
     const Sampler sampler(kSketchSeed, settings.spp, settings.jitter);
     const PixelFilter filter(settings.filter, settings.filter_radius);
-    FrameContext context{settings, camera, sampler, filter, lights, in.textures, true};
+    PassBudget passes(settings);
+    FrameContext context{settings, camera, sampler, filter, lights, in.textures, passes};
+    context.may_pass = true;
     context.moves = camera.moves() || in.scene.shutter_segments() > 0;
     context.may_start_in_body = in.scene.contents().has(Contents::Absorbing);
     context.scale = scale;

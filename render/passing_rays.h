@@ -9,9 +9,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 
 #include "accel/tracer.h"
 #include "base/kept_blocks.h"
+#include "render/pass_budget.h"
 
 namespace occam::render {
 
@@ -20,6 +22,8 @@ namespace occam::render {
 template <class Of, std::size_t kHitsAtOnce>
 class PassingRays {
 public:
+    explicit PassingRays(PassBudget& budget) noexcept : budget_(budget) {}
+
     void clear() noexcept
     {
         of_.clear();
@@ -52,6 +56,7 @@ public:
                     follow(first + i, {&hits_[i * static_cast<std::size_t>(most)], static_cast<std::size_t>(most)},
                            counts_[i], passes, leaves);
             }
+            budget_.spend(std::exchange(passed_, 0));
             of_.resize(kept_);
             rays_.resize(kept_);
         }
@@ -65,12 +70,15 @@ private:
                 const Leaves& leaves)
     {
         for (const accel::SurfaceHit& hit : hits.first(static_cast<std::size_t>(known.count)))
-            if (!passes(of_[i], rays_[i], hit)) return;
+            if (passes(of_[i], rays_[i], hit)) ++passed_;
+            else return;
         if (known.is_all) return leaves(of_[i], rays_[i]);
         of_[kept_] = of_[i];
         rays_[kept_++] = rays_[i];
     }
 
+    PassBudget& budget_;
+    std::uint64_t passed_ = 0;  ///< the number of surfaces that rays have passed since the budget was asked
     // These are parallel arrays, kept from batch to batch for their memory.
     KeptVector<Of> of_;
     KeptVector<accel::Ray> rays_;

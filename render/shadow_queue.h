@@ -49,8 +49,8 @@ public:
         float texture_width;  ///< width of the texture filter, in pixels
         PathLog* log;         ///< see FrameContext::log
     };
-    ShadowQueue(const TextureStore& textures, const FrameScale& scale, const Rules& rules) noexcept
-        : textures_(textures), scale_(scale), rules_(rules)
+    ShadowQueue(const TextureStore& textures, PassBudget& passes, const FrameScale& scale, const Rules& rules) noexcept
+        : textures_(textures), scale_(scale), rules_(rules), blocked_(passes)
     {
     }
 

@@ -104,7 +104,9 @@ struct PlaneStage {
         const render::Sampler sampler(settings.seed, settings.spp, settings.jitter);
         const shade::FrameLights frame_lights(lights, environment);
         const render::PixelFilter filter(settings.filter);
-        const render::FrameContext context{settings, camera, sampler, filter, frame_lights, textures, may_pass};
+        render::PassBudget passes(settings);
+        render::FrameContext context{settings, camera, sampler, filter, frame_lights, textures, passes};
+        context.may_pass = may_pass;
         render::Integrator integrator(context);
         std::vector<render::SampleResult> results(samples.size());
         integrator.run(tracer, samples, results);
