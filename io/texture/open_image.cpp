@@ -98,7 +98,8 @@ public:
         if (format_ == "hdr") image.orientation = radiance_orientation(*image.reader);
         image.has_multiplied_colors = has_multiplied_colors(image);
         image.has_two_colors = has_two_colors_dds(bytes_);
-        image.reader = with_chosen_channels(std::move(image.reader), channels_of(image));
+        const ChannelChoice choice = channels_of(image);  // before the reader is moved
+        image.reader = with_chosen_channels(std::move(image.reader), choice);
         return image;
     }
 
