@@ -77,7 +77,7 @@ void test(std::span<const std::uint32_t> ids, const RayAtGrid& at, std::vector<T
     const EdgeFunctions e = edge_functions(a, b, c);
     TriangleHit found = hit_inside(ray, e, is_inside(e), a, b, c);
     found.t = narrowed(ray, origin, found, corner);
-    const unsigned inside = bits(found.is_hit);
+    const unsigned inside = bits(found.is_hit & (found.t > vfloat(kNoT)));
     for (std::size_t k = 0; k < ids.size(); ++k) {
         TestedTriangle one{ids[k],          places[k],           lane_of(e.u, k), lane_of(e.v, k),
                            lane_of(e.w, k), lane_of(found.t, k), false,           0};

@@ -10,6 +10,7 @@
 #include <bit>
 #include <cfloat>
 #include <cstddef>
+#include <limits>
 
 #include "accel/ray_lanes.h"
 
@@ -129,9 +130,33 @@ OCCAM_NEVER_INLINE inline vfloat on_planes(const RayLanes& ray, const VecLanes& 
     return vfloat::load(result);
 }
 
-/// Returns the t of a hit, within the extent of the triangle where it is rough. corner(0) to corner(2) return the corners,
-/// which are read again: few hits are rough. Where t may be off by more than the coordinates of the origin are, it is
-/// computed again in double: a ray that starts next to a sliver would hit it from the wrong side.
+/// The t of what seems to be a hit and is none: no interval of a ray holds it.
+inline constexpr float kNoT = -std::numeric_limits<float>::infinity();
+
+/// Returns which rays pass the boxes of triangles, which are grown and tested as those of igrids are (accel/in_box.h): a ray
+/// that passes the triangle's box passes all boxes that hold it. Where a ray lies in a triangle's plane, the edge functions
+/// are rounding errors of any signs, and seem to be those of a hit far beside the ray.
+inline vmask passes_box(const RayLanes& ray, const VecLanes& origin, const VecLanes& a, const VecLanes& b,
+                        const VecLanes& c) noexcept
+{
+    const vfloat pad = max(max(largest(a), largest(b)), largest(c)) * vfloat(2 * FLT_EPSILON);
+    vfloat in = -FLT_MAX, out = FLT_MAX;
+    const auto cross = [&](vfloat low, vfloat high, vfloat from, vfloat inverse) {
+        const vfloat first = (low - pad - from) * inverse, last = (high + pad - from) * inverse;
+        in = max(in, min(first, last));
+        out = min(out, max(first, last));
+    };
+    cross(min(min(a.x, b.x), c.x), max(max(a.x, b.x), c.x), origin.x, ray.inverse[ray.kx]);
+    cross(min(min(a.y, b.y), c.y), max(max(a.y, b.y), c.y), origin.y, ray.inverse[ray.ky]);
+    cross(min(min(a.z, b.z), c.z), max(max(a.z, b.z), c.z), origin.z, ray.inverse[ray.kz]);
+    const vfloat slack = 4 * FLT_EPSILON;
+    return in - (abs(in) + abs(ray.shift)) * slack <= out + (abs(out) + abs(ray.shift)) * slack;
+}
+
+/// Returns the t of a hit. Where it is rough, it is within the extent of the triangle, or kNoT if the ray passes beside the
+/// triangle's box. corner(0) to corner(2) return the corners, which are read again: few hits are rough. Where t may be off
+/// by more than the coordinates of the origin are, it is computed again in double: a ray that starts next to a sliver would
+/// hit it from the wrong side.
 template <class Corner>
 OCCAM_NEVER_INLINE vfloat narrowed_where_rough(const RayLanes& ray, const VecLanes& origin, const TriangleHit& hit,
                                                const Corner& corner) noexcept
@@ -140,7 +165,8 @@ OCCAM_NEVER_INLINE vfloat narrowed_where_rough(const RayLanes& ray, const VecLan
     const vfloat least = abs(hit.det) * largest(origin);
     const unsigned wrong = bits(hit.is_hit & hit.is_rough & (hit.spread > least));
     const vfloat t = wrong != 0 ? on_planes(ray, origin, {a, b, c}, wrong, hit.t) : hit.t;
-    return select(hit.is_rough, Extent(ray, origin, a, b, c).narrowed(t), t);
+    const vfloat inside = select(passes_box(ray, origin, a, b, c), Extent(ray, origin, a, b, c).narrowed(t), kNoT);
+    return select(hit.is_rough, inside, t);
 }
 template <class Corner>
 OCCAM_ALWAYS_INLINE vfloat narrowed(const RayLanes& ray, const VecLanes& origin, const TriangleHit& hit,

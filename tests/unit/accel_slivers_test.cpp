@@ -123,5 +123,78 @@ TEST(Slivers, RaysThatHitGapTrianglesStartAgainNearby)
     }
 }
 
+// Holds triangles that lie in one plane, far apart, and rays that lie in that plane, too.
+struct Coplanar {
+    explicit Coplanar(std::uint64_t seed) : random(seed)
+    {
+        const Vec3d first = direction();
+        axes[0] = first;
+        axes[1] = glm::normalize(glm::cross(first, direction()));
+        cage.scheme = Scheme::Triangles;
+        for (std::uint32_t i = 0; i < 3 * kTriangles; ++i) {
+            if (i % 3 == 0) middle = point(1);
+            cage.positions.push_back(Vec3f(middle + point(0.02)));
+            cage.face_vertices.push_back(i);
+        }
+    }
+    accel::Ray ray()
+    {
+        accel::Ray ray;
+        ray.origin = point(1.5);
+        ray.direction = Vec3f(glm::normalize(point(1) - ray.origin));
+        return ray;
+    }
+    /// Returns by how much a place is outside of the box of a triangle.
+    double beside(std::uint32_t triangle, Vec3d at) const
+    {
+        Box3d box;
+        for (std::size_t p = 0; p < 3; ++p) box.add(Vec3d(cage.positions[3 * std::size_t(triangle) + p]));
+        return glm::length(at - glm::clamp(at, box.lo, box.hi));
+    }
+    double uniform() { return double(random() >> 11) * 0x1p-52 - 1; }
+    Vec3d direction()
+    {
+        const double x = uniform(), y = uniform();
+        return glm::normalize(Vec3d(x, y, uniform()));
+    }
+    Vec3d point(double size)
+    {
+        const Vec3d along = axes[0] * (uniform() * size);
+        return along + axes[1] * (uniform() * size);
+    }
+
+    static constexpr std::uint32_t kTriangles = 400;
+    std::mt19937_64 random;
+    Vec3d axes[2], middle{0};
+    Cage cage;
+};
+
+// All edge functions of such a triangle are rounding errors, which may have any signs where the ray passes beside it.
+TEST(Slivers, TrianglesInWhosePlaneARayLiesAreNotHitBesideIt)
+{
+    int hits = 0;
+    for (std::uint64_t seed = 0; seed < (is_long() ? 400 : 40); ++seed) {
+        Coplanar scene(seed);
+        Stage stage;
+        place(stage.scene, stage.scene.add(scene.cage), {0, 0, 0});
+        std::vector<accel::Ray> rays(500);
+        for (accel::Ray& ray : rays) ray = scene.ray();
+        std::vector<accel::SurfaceHit> in_kd(rays.size()), in_bvh(rays.size());
+        for (const accel::TreeKind kind : {accel::TreeKind::Kd, accel::TreeKind::Bvh}) {
+            const accel::Frame frame = stage.frame(-4, lod::LevelMode::PerRay, kind);
+            accel::Tracer tracer(frame, kPlenty);
+            tracer.closest(rays, kind == accel::TreeKind::Kd ? in_kd : in_bvh);
+        }
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            ASSERT_TRUE(same(in_kd[i], in_bvh[i])) << seed << ": " << i;
+            if (!in_kd[i].is_hit()) continue;
+            ++hits;
+            const Vec3d at = rays[i].origin + Vec3d(rays[i].direction) * double(in_kd[i].t);
+            ASSERT_LT(scene.beside(in_kd[i].face, at), 1e-5) << seed << ": " << i << ", t " << in_kd[i].t;
+        }
+    }
+    EXPECT_GT(hits, 100);
+}
+
 }  // namespace
 }  // namespace occam::test
