@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cfloat>
 
 #include "accel/leaf_group.h"
 #include "accel/narration.h"
@@ -49,7 +50,8 @@ public:
         if constexpr (kIsObservedRay) narrate_levels();
         ++state_.visit;
         if constexpr (!kIsOne) ++state_.counters.packets;
-        as_one_ = RaysAsOne<F>(ray_, lowest(begin_));
+        // Where a ray that misses the scene would begin may be no number, and says nothing about the others.
+        as_one_ = RaysAsOne<F>(ray_, lowest(select(enters, begin_, F(FLT_MAX))));
         const Times times = times_of<Times>(party_.rays(), state_.frame.segments);
         const auto limit = [&] { return this->limit(); };
         const auto leaf = [&](auto node, const Mask& alive, const F& near, const F& far, int finest, int coarsest) {

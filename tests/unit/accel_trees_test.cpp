@@ -341,5 +341,35 @@ TEST(Trees, OfPlanesRefuseWhatPassesThroughOnePlaceInHundredsOfThousandsOfParts)
     }
 }
 
+// The distances of boxes from such an origin are infinite, and their sums are no numbers.
+TEST(Trees, FindTheSameBesideARayThatStartsVeryFarAway)
+{
+    Stage stage;
+    place(stage.scene, stage.scene.add(torus_mesh(20, 12)), {0, 0, 0});
+    place(stage.scene, stage.scene.add(torus()), {0, 1, 0});
+    for (const TreeKind kind : {TreeKind::Kd, TreeKind::Bvh}) {
+        const accel::Frame frame = stage.frame(-3, lod::LevelMode::PerRay, kind);
+        accel::Tracer tracer(frame, kPlenty);
+        std::vector<accel::Ray> rays(16);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            rays[i].origin = {1 + 0.02 * double(i % 4), 5, 0.02 * double(i / 4)};
+            rays[i].direction = {0, -1, 0};
+        }
+        std::vector<accel::SurfaceHit> expected(rays.size()), hits(rays.size());
+        tracer.closest(rays, expected);
+        for (const double far : {-1e29, -1e21, 1e21, 1e29})
+            for (std::size_t place = 0; place < rays.size(); ++place) {
+                std::vector<accel::Ray> with_far = rays;
+                with_far[place].origin.x = far;
+                tracer.closest(with_far, hits);
+                for (std::size_t i = 0; i < rays.size(); ++i) {
+                    if (i == place) continue;
+                    ASSERT_TRUE(expected[i].is_hit());
+                    ASSERT_TRUE(same(hits[i], expected[i])) << far << " in " << place << ", ray " << i;
+                }
+            }
+    }
+}
+
 }  // namespace
 }  // namespace occam::test
