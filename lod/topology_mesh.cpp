@@ -11,6 +11,7 @@
 #include "base/error_without_file.h"
 #include "lod/derived_points.h"
 #include "lod/fan_limits.h"
+#include "lod/unsafe_faces.h"
 #include "scenegraph/content_rules.h"
 
 namespace occam::lod {
@@ -159,19 +160,6 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& cage)
     return RefinerFactory::make(d, options);
 }
 
-namespace {
-
-// Around such a vertex OpenSubdiv 3.5 may find two surfaces alike whose vertices coincide in different places, and share
-// tables that do not fit both.
-bool has_vertex_of_two_faces(const Far::TopologyLevel& level)
-{
-    for (int v = 0; v < level.GetNumVertices(); ++v)
-        if (level.GetVertexFaces(v).size() == 2 && level.GetVertexEdges(v).size() == 2) return true;
-    return false;
-}
-
-}  // namespace
-
 void refine_once(Far::TopologyRefiner& refiner)
 {
     Far::TopologyRefiner::UniformOptions options(1);
@@ -187,7 +175,9 @@ std::unique_ptr<const SurfaceFactory> make_factory(const Far::TopologyRefiner& r
     constexpr int kApproxLevel = 10;  // the largest value that the library allows
     SurfaceFactory::Options options;
     options.SetApproxLevelSmooth(kApproxLevel).SetApproxLevelSharp(kApproxLevel);
-    options.EnableCaching(keeps && !has_vertex_of_two_faces(refiner.GetLevel(0)));
+    // Where two faces close around a vertex, OpenSubdiv 3.5 may find two surfaces alike whose vertices coincide in different
+    // places, and share tables that do not fit both.
+    options.EnableCaching(keeps && !has_pairs(refiner.GetLevel(0)));
     return std::make_unique<const SurfaceFactory>(refiner, options);
 }
 

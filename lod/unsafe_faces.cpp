@@ -60,15 +60,17 @@ int across(const Far::TopologyLevel& level, int face, int edge)
 }
 
 /// Returns whether two faces close around a corner: the face and one other share both edges there, and nothing else does.
-bool has_pair(const Far::TopologyLevel& level, int face)
+bool is_pair(const Far::TopologyLevel& level, int face, int corner)
 {
     const auto edges = level.GetFaceEdges(face);
-    int before = across(level, face, edges[edges.size() - 1]);
-    for (int c = 0; c < edges.size(); ++c) {
-        const int after = across(level, face, edges[c]);
-        if (after >= 0 && after == before) return true;
-        before = after;
-    }
+    const int other = across(level, face, edges[corner]);
+    return other >= 0 && other == across(level, face, edges[(corner + edges.size() - 1) % edges.size()]);
+}
+
+bool has_pair(const Far::TopologyLevel& level, int face)
+{
+    for (int corner = 0; corner < level.GetFaceVertices(face).size(); ++corner)
+        if (is_pair(level, face, corner)) return true;
     return false;
 }
 
@@ -87,6 +89,19 @@ bool is_crowded(const Far::TopologyLevel& level, int face, bool has_creases)
 }
 
 }  // namespace
+
+bool has_pairs(const Far::TopologyLevel& level)
+{
+    for (int v = 0; v < level.GetNumVertices(); ++v) {
+        const auto faces = level.GetVertexFaces(v);
+        if (faces.size() == 2 && level.GetVertexEdges(v).size() == 2) return true;
+        if (!level.IsVertexNonManifold(v)) continue;
+        const auto places = level.GetVertexFaceLocalIndices(v);
+        for (int f = 0; f < faces.size(); ++f)
+            if (is_pair(level, faces[f], places[f])) return true;
+    }
+    return false;
+}
 
 bool is_unsafe(const Far::TopologyLevel& level, int face, bool has_creases)
 {

@@ -1,4 +1,6 @@
-// Finds the faces of a cage whose surfaces OpenSubdiv cannot make without reading or writing memory that is not its own.
+// Finds the faces of a cage whose surfaces OpenSubdiv cannot make, or not without memory that is not its own.
+//
+// This header is private to lod/.
 #pragma once
 
 #include <opensubdiv/far/topologyLevel.h>
@@ -15,5 +17,9 @@ namespace occam::lod {
 ///
 /// has_creases   whether the cage has any
 bool is_unsafe(const OpenSubdiv::Far::TopologyLevel& level, int face, bool has_creases);
+
+/// Returns whether two faces close around some vertex: they share both of their edges there, with no other face. The vertex
+/// may belong to other faces, too.
+bool has_pairs(const OpenSubdiv::Far::TopologyLevel& level);
 
 }  // namespace occam::lod
