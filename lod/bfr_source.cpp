@@ -8,6 +8,8 @@
 
 #include "base/check.h"
 #include "lod/corner_limits.h"
+#include "lod/small_surface.h"
+#include "lod/unsafe_faces.h"
 
 namespace occam::lod {
 
@@ -36,12 +38,7 @@ public:
           parameters_(factory.GetFaceParameterization(static_cast<int>(patch.face))),
           count_(controls.size())
     {
-        const int face = static_cast<int>(patch.face);
-        const bool is_valid = uv_set < 0 ? factory.InitVertexSurface(face, &surface_)
-                                         : factory.InitFaceVaryingSurface(face, &surface_, uv_set);
-        OCCAM_CHECK_EQ(is_valid, true);
-        std::vector<int> own(surface_.GetNumControlPoints());
-        surface_.GetControlPointIndices(own.data());
+        const std::vector<int> own = make_surface(factory, static_cast<int>(patch.face), uv_set);
         Numbers number;
         for (std::uint32_t i = 0; i < controls.size(); ++i) number.emplace(controls[i], i);
         // Texture coordinates that collapse around a vertex of two faces leave points without an index (-1). Any index will
@@ -54,7 +51,10 @@ public:
     }
 
     // The surface at a corner takes about as much as the whole one.
-    std::size_t bytes() const noexcept override { return sizeof *this + 2 * bytes_of(surface_); }
+    std::size_t bytes() const noexcept override
+    {
+        return sizeof *this + 2 * bytes_of(surface_) + (fans_ ? fans_->bytes() : 0);
+    }
 
     void evaluate(double u, double v, Of of, LimitStencil& out) const override
     {
@@ -73,6 +73,31 @@ public:
 private:
     using Numbers = std::unordered_map<std::uint32_t, std::uint32_t>;
 
+    /// Makes the surface of a face, and returns its control points: vertices of the cage, or values of the UV set.
+    std::vector<int> make_surface(const SurfaceFactory& factory, int face, int uv_set)
+    {
+        const Far::TopologyRefiner& refiner = factory.GetMesh();
+        const bool has_own_mesh = refiner.GetSchemeType() == Sdc::SCHEME_CATMARK && joins_border(refiner.GetLevel(0), face);
+        // In a mesh of the face's fans alone, their ends are joined, and the border is a crease.
+        MeshPart part(refiner.GetLevel(0), rules_of(refiner), uv_set);
+        if (has_own_mesh) {
+            part.add_fans({face, 0});
+            part.add_sharpness();
+            fans_ = std::make_unique<const SmallSurface>(part.mesh);
+            surface_ = uv_set < 0 ? fans_->surface(0) : fans_->uv_surface(0);
+        } else {
+            const bool is_valid = uv_set < 0 ? factory.InitVertexSurface(face, &surface_)
+                                             : factory.InitFaceVaryingSurface(face, &surface_, uv_set);
+            OCCAM_CHECK_EQ(is_valid, true);
+        }
+        std::vector<int> own(static_cast<std::size_t>(surface_.GetNumControlPoints()));
+        surface_.GetControlPointIndices(own.data());
+        if (!has_own_mesh) return own;
+        const std::vector<int>& of_part = uv_set < 0 ? part.vertices : part.values;
+        for (int& index : own)
+            if (index >= 0) index = of_part[static_cast<std::size_t>(index)];
+        return own;
+    }
     /// Sets what is exact close to the corners, if Bfr is not.
     void set_corners(const Far::TopologyRefiner& refiner, PatchRef patch, int uv_set, const Numbers& number)
     {
@@ -159,6 +184,7 @@ private:
     std::uint32_t sub_;
     Bfr::Parameterization parameters_;
     std::size_t count_;
+    std::unique_ptr<const SmallSurface> fans_;  ///< null: the surface is one of the cage's
     Bfr::Surface<double> surface_;
     std::vector<std::uint32_t> number_;
     std::unique_ptr<const CornerLimits> corners_;  ///< null where Bfr is exact, and where creases meet seams

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lod/derived_points.h"
+
 namespace occam::lod {
 
 Sector child_at(const OpenSubdiv::Far::TopologyLevel& coarse, const OpenSubdiv::Far::TopologyLevel& fine,
@@ -67,6 +69,17 @@ void MeshPart::add_around(int vertex)
     const auto faces = level_.GetVertexFaces(vertex);
     const auto places = level_.GetVertexFaceLocalIndices(vertex);
     for (int f = 0; f < faces.size(); ++f) add({faces[f], places[f]});
+}
+
+void MeshPart::add_fans(const Sector& sector)
+{
+    add(sector);
+    const auto corners = level_.GetFaceVertices(sector.face);
+    for (int corner = 0; corner < corners.size(); ++corner)
+        for (const bool counter_clockwise : {true, false})
+            for (const Sector& next : sectors_after(level_, {sector.face, corner}, counter_clockwise,
+                                                    static_cast<std::size_t>(level_.GetVertexFaces(corners[corner]).size())))
+                add(next);
 }
 
 void MeshPart::add_with_neighbours(const Sector& sector)

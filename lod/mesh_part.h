@@ -43,6 +43,8 @@ public:
     void add(const Sector& sector);
     /// Adds the faces around a vertex.
     void add_around(int vertex);
+    /// Adds a face, which comes first, and around each of its corners the faces that follow on either side up to a border.
+    void add_fans(const Sector& sector);
     /// Adds the faces around all corners of a face, which comes first.
     void add_with_neighbours(const Sector& sector);
     /// Returns the number of a vertex of the level here.

@@ -88,7 +88,34 @@ bool is_crowded(const Far::TopologyLevel& level, int face, bool has_creases)
     return has_seam && has_crease;
 }
 
+/// Returns the edge of a triangle at a vertex that is not `edge`; -1 if the face has another number of corners.
+int other_edge(const Far::TopologyLevel& level, int face, int vertex, int edge)
+{
+    const auto edges = level.GetFaceEdges(face);
+    if (edges.size() != 3) return -1;
+    return *std::find_if(edges.begin(), edges.end(), [&](int e) {
+        const auto ends = level.GetEdgeVertices(e);
+        return e != edge && (ends[0] == vertex || ends[1] == vertex);
+    });
+}
+
 }  // namespace
+
+bool joins_border(const Far::TopologyLevel& level, int face)
+{
+    const auto edges = level.GetFaceEdges(face);
+    const auto corners = level.GetFaceVertices(face);
+    int borders = 0, in = edges[edges.size() - 1];
+    for (int c = 0; c < corners.size(); ++c) {
+        const int out = edges[c], before = across(level, face, out), after = across(level, face, in);
+        if (before < 0 || after < 0 || before == after) return false;
+        const int end = other_edge(level, before, corners[c], out);
+        if (end < 0 || end != other_edge(level, after, corners[c], in)) return false;
+        borders += is_border(level, end);
+        in = out;
+    }
+    return borders == 1;
+}
 
 bool has_pairs(const Far::TopologyLevel& level)
 {

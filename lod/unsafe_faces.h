@@ -18,6 +18,11 @@ namespace occam::lod {
 /// has_creases   whether the cage has any
 bool is_unsafe(const OpenSubdiv::Far::TopologyLevel& level, int face, bool has_creases);
 
+/// Returns whether a face is the base of a tetrahedron or a pyramid that has another face at one of its other edges. In the
+/// fan of three triangles around one corner of the base, and of that alone, this edge is a border at both ends. OpenSubdiv
+/// 3.5 finds the ends in one place and joins them, as if there were no border (Bfr::IrregularPatchBuilder).
+bool joins_border(const OpenSubdiv::Far::TopologyLevel& level, int face);
+
 /// Returns whether two faces close around some vertex: they share both of their edges there, with no other face. The vertex
 /// may belong to other faces, too.
 bool has_pairs(const OpenSubdiv::Far::TopologyLevel& level);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 
@@ -12,6 +13,7 @@
 #include "tests/support/campaign.h"
 #include "tests/support/case_random.h"
 #include "tests/support/diced_mesh.h"
+#include "tests/support/displaced_cages.h"
 
 namespace occam::test {
 namespace {
@@ -122,6 +124,32 @@ void expect_surface(std::uint64_t seed)
     const DicedCage diced(cage, 0);
     EXPECT_TRUE(has_finite_surface(diced));
     expect_one_middle_of_each_edge(diced);
+}
+
+// OpenSubdiv takes the ends of a fan for one place where a tetrahedron or a pyramid has a further face at an edge.
+TEST(RandomSoups, HaveASurfaceWhereATetrahedronOrAPyramidHasAFin)
+{
+    for (const std::uint32_t sides : {3u, 4u, 5u}) {
+        Cage cage;
+        for (std::uint32_t k = 0; k < sides; ++k) {
+            const float angle = 6.2831853f * float(k) / float(sides);
+            cage.positions.push_back({std::cos(angle), std::sin(angle), 0});
+            cage.face_vertices.push_back(sides - 1 - k);
+        }
+        const std::uint32_t tip = sides, fin = sides + 1;
+        cage.positions.insert(cage.positions.end(), {{0, 0, 1}, {2, 0, 1}});
+        cage.face_sizes = {sides};
+        for (std::uint32_t k = 0; k < sides; ++k) {
+            cage.face_sizes.push_back(3);
+            cage.face_vertices.insert(cage.face_vertices.end(), {k, (k + 1) % sides, tip});
+        }
+        cage.face_sizes.push_back(3);
+        cage.face_vertices.insert(cage.face_vertices.end(), {0, tip, fin});
+        add_charts(cage);
+        SCOPED_TRACE(sides);
+        ASSERT_TRUE(sanitize(cage).empty());
+        expect_one_middle_of_each_edge(DicedCage(cage, 0));
+    }
 }
 
 // OpenSubdiv takes surfaces for alike whose vertices coincide in different places.
