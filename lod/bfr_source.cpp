@@ -33,8 +33,10 @@ namespace {
 
 class BfrSource : public LimitSource {
 public:
-    BfrSource(const SurfaceFactory& factory, PatchRef patch, std::span<const std::uint32_t> controls, int uv_set)
-        : sub_(patch.sub),
+    BfrSource(const SurfaceFactory& factory, PatchRef patch, std::span<const std::uint32_t> controls, int uv_set,
+              ClassAccount* account)
+        : account_(account),
+          sub_(patch.sub),
           parameters_(factory.GetFaceParameterization(static_cast<int>(patch.face))),
           count_(controls.size())
     {
@@ -53,7 +55,7 @@ public:
     // The surface at a corner takes about as much as the whole one.
     std::size_t bytes() const noexcept override
     {
-        return sizeof *this + 2 * bytes_of(surface_) + (fans_ ? fans_->bytes() : 0);
+        return sizeof *this + (account_ ? 1 : 2) * bytes_of(surface_) + (fans_ ? fans_->bytes() : 0);
     }
 
     void evaluate(double u, double v, Of of, LimitStencil& out) const override
@@ -108,7 +110,7 @@ private:
         const bool has_seam = uv_set >= 0 && values.empty();
         if (has_seam && !has_lasting_seams(level, face, uv_set)) return;
         corners_ = std::make_unique<const CornerLimits>(level, Sector{face, static_cast<int>(patch.sub)}, rules_of(refiner),
-                                                        has_seam ? uv_set : -1);
+                                                        has_seam ? uv_set : -1, account_);
         for (const int at : corners_->controls()) {
             const auto control = static_cast<std::uint32_t>(at);
             number_at_corners_.push_back(number.at(uv_set < 0 || has_seam ? control : values.at(control)));
@@ -181,6 +183,7 @@ private:
         one(from.dv, scale, to.dv);
     }
 
+    ClassAccount* account_;
     std::uint32_t sub_;
     Bfr::Parameterization parameters_;
     std::size_t count_;
@@ -194,9 +197,9 @@ private:
 }  // namespace
 
 std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch,
-                                                std::span<const std::uint32_t> controls, int uv_set)
+                                                std::span<const std::uint32_t> controls, int uv_set, ClassAccount* account)
 {
-    return std::make_unique<BfrSource>(factory, patch, controls, uv_set);
+    return std::make_unique<BfrSource>(factory, patch, controls, uv_set, account);
 }
 
 }  // namespace occam::lod

@@ -15,8 +15,11 @@ namespace occam::lod {
 void evaluate(const OpenSubdiv::Bfr::Surface<double>& surface, double s, double t, LimitSource::Of of, LimitStencil& out);
 
 /// Returns the stencils of one patch, with its control points renumbered as in `controls`.
-/// uv_set   the texture coordinates that are meant; -1: the positions
+/// uv_set    the texture coordinates that are meant; -1: the positions
+/// account   if not null, it is told what the source takes beside a corner, when that is made, and outlives the source;
+///           LimitSource::bytes() then leaves this out
 std::unique_ptr<const LimitSource> limit_source(const SurfaceFactory& factory, PatchRef patch,
-                                                std::span<const std::uint32_t> controls, int uv_set);
+                                                std::span<const std::uint32_t> controls, int uv_set,
+                                                ClassAccount* account = nullptr);
 
 }  // namespace occam::lod

@@ -102,6 +102,12 @@ public:
             weights_.push_back(part.weights[static_cast<std::size_t>(std::max(control, 0))].of);
     }
 
+    /// Returns about how many bytes it takes.
+    std::size_t bytes() const noexcept
+    {
+        return sizeof *this + mesh_.bytes() + bytes_of(surface_) + weights_.size() * count_ * sizeof(double);
+    }
+
     /// Evaluates at parameters of the whole quad, counted from the corner.
     void evaluate(int corner, double x, double y, LimitSource::Of of, LimitStencil& out) const
     {
@@ -129,8 +135,9 @@ private:
     std::vector<std::vector<double>> weights_;
 };
 
-CornerLimits::CornerLimits(const Far::TopologyLevel& level, const Sector& quad, const MeshRules& rules, int uv_set)
-    : part_(level, rules, uv_set), is_whole_(level.GetFaceVertices(quad.face).size() == 4)
+CornerLimits::CornerLimits(const Far::TopologyLevel& level, const Sector& quad, const MeshRules& rules, int uv_set,
+                           ClassAccount* account)
+    : part_(level, rules, uv_set), account_(account), is_whole_(level.GetFaceVertices(quad.face).size() == 4)
 {
     part_.add_with_neighbours(quad);
     part_.add_sharpness();
@@ -147,7 +154,10 @@ CornerLimits::CornerLimits(const Far::TopologyLevel& level, const Sector& quad, 
     set(2, {false, true});
 }
 
-CornerLimits::~CornerLimits() = default;
+CornerLimits::~CornerLimits()
+{
+    if (account_) account_->remove(counted_);
+}
 
 // The lock is held.
 std::shared_ptr<const CornerLimits::Refined> CornerLimits::refined(int corner) const
@@ -162,6 +172,10 @@ std::shared_ptr<const CornerLimits::Refined> CornerLimits::refined(int corner) c
     for (int step = 0; step < kSteps; ++step) part = refined_at(part, step == 0 ? corner : 0);
     last_ = std::make_shared<const Refined>(part);
     last_corner_ = corner;
+    if (account_) {
+        account_->remove(counted_);
+        account_->add(counted_ = last_->bytes());
+    }
     return last_;
 }
 

@@ -23,8 +23,10 @@ class CornerLimits {
 public:
     /// level   connectivity, which must outlive this
     /// quad    a quad of it, from the corner at (0, 0) on; or a corner of another face, whose part there is the quad
-    /// uv_set  the texture coordinates that are meant; -1: the positions
-    CornerLimits(const OpenSubdiv::Far::TopologyLevel& level, const Sector& quad, const MeshRules& rules, int uv_set = -1);
+    /// uv_set    the texture coordinates that are meant; -1: the positions
+    /// account   if not null, it is told what the surface beside a corner takes, and outlives this
+    CornerLimits(const OpenSubdiv::Far::TopologyLevel& level, const Sector& quad, const MeshRules& rules, int uv_set = -1,
+                 ClassAccount* account = nullptr);
     ~CornerLimits();
 
     /// The vertices of the level, or the values of its texture coordinates, on which the quad depends.
@@ -40,12 +42,14 @@ private:
     void evaluate_beside(int corner, const std::array<double, 2>& at, LimitSource::Of of, LimitStencil& out) const;
 
     MeshPart part_;
+    ClassAccount* account_;
     bool is_whole_;  ///< whether the quad is a face, and not a part of one
     /// Whether Bfr approximates at each corner, and beside it.
     std::array<bool, 4> at_{}, beside_{};
     mutable std::mutex mutex_;  // guards the members below
     mutable std::shared_ptr<const Refined> last_;
     mutable int last_corner_ = -1;
+    mutable std::size_t counted_ = 0;              ///< bytes of `last_` that the account was told
     mutable std::array<LimitStencil, 4> corners_;  ///< at the corners themselves, once they were asked for
 };
 

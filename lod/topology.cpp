@@ -3,12 +3,14 @@
 #include <deque>
 #include <mutex>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "base/cancellation.h"
 #include "base/hash.h"
 #include "lod/bfr_source.h"
 #include "lod/class_memory.h"
 #include "lod/ring_patch.h"
+#include "lod/unsafe_faces.h"
 
 namespace occam::lod {
 namespace {
@@ -54,6 +56,7 @@ struct Topology::Tables {
     std::mutex mutex;
     std::vector<Slots> slots;  ///< slots[0] is for vertices and slots[1 + s] for UV set s; each has an entry for each patch
     std::unordered_map<std::vector<std::uint32_t>, std::unique_ptr<const PatchClass>, WordsHash> classes;
+    std::unordered_set<std::vector<std::uint32_t>, WordsHash> counted_keys;  ///< tables_key() of surfaces that are counted
     std::deque<PatchControls> records;
     std::deque<std::vector<std::uint32_t>> indices;
     std::vector<std::uint32_t> first_inner;  ///< first inner curve of each face; empty when all faces are quads
@@ -151,10 +154,15 @@ std::unique_ptr<const PatchClass> Topology::make_class(PatchRef patch, const Nei
     memory.check_room();
     const int controls = static_cast<int>(around.controls.size());
     if (around.crease_depth == 0 && around.controls.size() <= kUsualControls) {
-        auto source = limit_source(*mesh_->factory, patch, around.controls, uv_set);
+        auto source = limit_source(*mesh_->factory, patch, around.controls, uv_set, &memory);
         const std::size_t bytes = source->bytes();
         auto kind = std::make_unique<const PatchClass>(controls, std::move(source), 0, &memory);
-        kind->count(bytes);
+        // Surfaces that are connected alike share their tables, though their patches may be of many classes.
+        const bool is_shared = mesh_->shares_tables && !joins_border(mesh_->level(), static_cast<int>(patch.face));
+        const bool is_new =
+            !is_shared ||
+            tables_->counted_keys.insert(tables_key(mesh_->level(), patch.face, mesh_->bilinear, uv_set)).second;
+        if (is_new) kind->count(bytes);
         return kind;
     }
     const auto make = [&factory = *mesh_->creased_factory, patch, uv_set, indices = around.controls] {

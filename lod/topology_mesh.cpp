@@ -184,6 +184,7 @@ std::unique_ptr<const SurfaceFactory> make_factory(const Far::TopologyRefiner& r
 Topology::Mesh::Mesh(const Cage& cage, ClassMemory& memory)
     : bilinear(cage.scheme == Scheme::Bilinear),
       boundary(cage.boundary),
+      shares_tables(false),
       refiner(make_refiner(cage)),
       factory(make_factory(*refiner)),
       creased_factory(make_factory(*refiner, false)),
@@ -191,6 +192,7 @@ Topology::Mesh::Mesh(const Cage& cage, ClassMemory& memory)
 {
     constexpr std::uint32_t kNobody = ~0u;
     const int faces = level().GetNumFaces();
+    shares_tables = !has_pairs(level());
     vertex_owner.assign(level().GetNumVertices(), kNobody);
     vertex_corner.assign(level().GetNumVertices(), 0);
     edge_owner.assign(level().GetNumEdges(), kNobody);
@@ -209,7 +211,10 @@ Topology::Mesh::Mesh(const Cage& cage, ClassMemory& memory)
 
 Topology::Mesh::~Mesh() = default;
 
-Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, bool bilinear, int uv_set)
+namespace {
+
+/// from_corners   list faces from the corner at hand on, and not from their first one
+Neighbourhood look_around(const Far::TopologyLevel& level, PatchRef patch, bool bilinear, int uv_set, bool from_corners)
 {
     Neighbourhood out;
     std::vector<std::uint32_t> vertex_numbers;
@@ -222,18 +227,19 @@ Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, boo
     out.key.push_back(patch.sub);
 
     const int size = corners.size();
-    const auto add_face = [&](int g) {
+    const auto add_face = [&](int g, int first) {
+        const auto add = [&](Numbering& number, const Far::ConstIndexArray& list) {
+            for (int i = first; i < list.size(); ++i) out.key.push_back(number.of(static_cast<std::uint32_t>(list[i])));
+            for (int i = 0; i < first; ++i) out.key.push_back(number.of(static_cast<std::uint32_t>(list[i])));
+        };
         const auto vertices = level.GetFaceVertices(g);
-        const int count = vertices.size();
-        out.key.push_back(static_cast<std::uint32_t>(count));
-        for (int i = 0; i < count; ++i) out.key.push_back(vertex.of(static_cast<std::uint32_t>(vertices[i])));
-        if (uv_set < 0) return;
-        const auto values = level.GetFaceFVarValues(g, uv_set);
-        for (int i = 0; i < count; ++i) out.key.push_back(value.of(static_cast<std::uint32_t>(values[i])));
+        out.key.push_back(static_cast<std::uint32_t>(vertices.size()));
+        add(vertex, vertices);
+        if (uv_set >= 0) add(value, level.GetFaceFVarValues(g, uv_set));
     };
 
     if (bilinear) {
-        add_face(face);
+        add_face(face, 0);
         return out;
     }
     for (int c = 0; c < size; ++c) {
@@ -257,13 +263,25 @@ Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, boo
             const int k = cyclic ? (start + f) % faces.size() : f;
             const int g = faces[k], place = places[k];
             const auto edges = level.GetFaceEdges(g);
-            out.key.push_back(static_cast<std::uint32_t>(place));
+            out.key.push_back(from_corners ? 0u : static_cast<std::uint32_t>(place));
             add_sharpness(level.GetEdgeSharpness(edges[place]));
             add_sharpness(level.GetEdgeSharpness(edges[(place + edges.size() - 1) % edges.size()]));
-            add_face(g);
+            add_face(g, from_corners ? place : 0);
         }
     }
     return out;
+}
+
+}  // namespace
+
+Neighbourhood neighbourhood(const Far::TopologyLevel& level, PatchRef patch, bool bilinear, int uv_set)
+{
+    return look_around(level, patch, bilinear, uv_set, false);
+}
+
+std::vector<std::uint32_t> tables_key(const Far::TopologyLevel& level, std::uint32_t face, bool bilinear, int uv_set)
+{
+    return look_around(level, {face, 0}, bilinear, uv_set, true).key;
 }
 
 std::size_t bytes_of(const Far::TopologyLevel& level) noexcept

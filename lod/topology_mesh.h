@@ -42,6 +42,7 @@ struct Topology::Mesh {
 
     bool bilinear;
     BoundaryRule boundary;
+    bool shares_tables;  ///< whether surfaces that are connected alike do
     std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner;
     std::unique_ptr<const SurfaceFactory> factory;
     std::unique_ptr<const SurfaceFactory> creased_factory;  ///< keeps nothing, so that tables are freed with their surface
@@ -62,6 +63,11 @@ struct Neighbourhood {
     int crease_depth = 0;                 ///< as PatchClass has it
 };
 Neighbourhood neighbourhood(const OpenSubdiv::Far::TopologyLevel& level, PatchRef patch, bool bilinear, int uv_set);
+
+/// Returns a key that is the same for faces whose surfaces share their tables in a factory that keeps them: it does not
+/// depend on the corner at which polygons around them begin.
+std::vector<std::uint32_t> tables_key(const OpenSubdiv::Far::TopologyLevel& level, std::uint32_t face, bool bilinear,
+                                      int uv_set);
 
 /// Returns about how many bytes OpenSubdiv takes for the connectivity of a level.
 std::size_t bytes_of(const OpenSubdiv::Far::TopologyLevel& level) noexcept;

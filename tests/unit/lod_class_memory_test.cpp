@@ -180,6 +180,30 @@ TEST(ClassMemory, CountsWhatPolygonsOfManyCornersTake)
     }
 }
 
+// Each patch of the cone has a class of its own, since it lies otherwise to the corner at which the base begins. All
+// surfaces of its sides have the same tables.
+TEST(ClassMemory, CountsTablesThatSurfacesShareOnce)
+{
+    constexpr std::uint32_t kSides = 62;
+    Cage cone;
+    cone.positions.push_back({0, 0, 1});
+    for (std::uint32_t k = 0; k < kSides; ++k) {
+        const double angle = 6.28318530717959 * k / kSides;
+        cone.positions.push_back({float(std::cos(angle)), float(std::sin(angle)), 0});
+        cone.face_sizes.push_back(3);
+        cone.face_vertices.insert(cone.face_vertices.end(), {0, 1 + k, 1 + (k + 1) % kSides});
+    }
+    cone.face_sizes.push_back(kSides);
+    for (std::uint32_t k = kSides; k > 0; --k) cone.face_vertices.push_back(k);
+    const auto memory = std::make_shared<ClassMemory>();
+    const std::size_t before = allocated_bytes();
+    const Topology topology(cone, memory);
+    for (std::uint32_t face = 0; face < topology.face_count(); ++face)
+        for (std::uint32_t sub = 0; sub < topology.patches_of(face); ++sub) topology.controls({face, sub}).kind->hull();
+    EXPECT_LE(memory->bytes(), std::size_t(160) << 20);
+    EXPECT_GE(memory->bytes(), (allocated_bytes() - before) / 2);
+}
+
 // Each sector of the poles has sharpness of its own.
 TEST(ClassMemory, CountsWhatCreasedPolesTake)
 {
