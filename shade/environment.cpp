@@ -1,6 +1,7 @@
 #include "shade/environment.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <span>
 
@@ -19,6 +20,7 @@ namespace {
 constexpr double kEven = 1.5;
 
 constexpr int kColumns = 512, kRows = 256;
+constexpr double kLeastShare = 0.05;  // the darkest cells are sampled as if they had this share of the mean
 const Vec2f kCell(1.0f / kColumns, 1.0f / kRows);
 
 // Returns the density per solid angle of directions in a cell.
@@ -55,6 +57,43 @@ Vec3f sky_radiance(float y) noexcept
     return glm::mix(kHorizon, kGround, t * t * (3 - 2 * t));
 }
 
+// Returns how many places across a cell the texels of an image ask for: 1 if they are no finer than the cell.
+int places_across(const TextureStore& textures, const TextureUse& image) noexcept
+{
+    constexpr float kMostPlaces = 8;
+    const float width = textures.texel_width(image);
+    return width > 0 ? static_cast<int>(std::clamp(std::ceil(kCell.x / width), 1.0f, kMostPlaces)) : 1;
+}
+
+// Returns whether lamps within the cells of an image whose cells are even make it worth sampling: the noise of scattered
+// directions follows the mean square of the luminance at all places, and that of samples of the cells divides each of these
+// squares by how much brighter than all the cell is. A fine pattern that is the same everywhere gains nothing.
+// cell_at   returns the mean luminance of a cell
+template <class CellAt>
+bool has_lamps_within_cells(const TextureStore& textures, const TextureUse& image, double mean, CellAt&& cell_at)
+{
+    const int places = places_across(textures, image);
+    if (places == 1 || !(mean > 0)) return false;
+    double scattered = 0, sampled = 0;
+    for (int row = 0; row < kRows; ++row) {
+        throw_if_cancelled();
+        const double ring = double(maths::sin((float(row) + 0.5f) * kPi / kRows));
+        for (int column = 0; column < kColumns; ++column) {
+            double squares = 0;
+            for (int k = 0; k < places * places; ++k) {
+                const Vec2f within(float(k % places) + 0.5f, float(k / places) + 0.5f);
+                const Vec2f uv = (Vec2f(float(column), float(row)) + within / float(places)) * kCell;
+                const double y = double(
+                    brightness_of(glm::max(Vec3f(textures.sample(image, uv, kCell / float(places))), Vec3f(0))));
+                squares += y * y;
+            }
+            scattered += squares * ring;
+            sampled += squares * ring * mean / std::max(double(cell_at(row, column)), kLeastShare * mean);
+        }
+    }
+    return scattered > kEven * sampled;
+}
+
 }  // namespace
 
 // Says how the light of an image is spread over the sphere.
@@ -72,6 +111,7 @@ struct Environment::Spread {
     }
     bool is_one_color() const noexcept { return darkest == brightest; }
     bool is_even() const noexcept { return sum_of_squares * area <= kEven * sum * sum; }
+    double mean() const noexcept { return area > 0 ? sum / area : 0; }
 };
 
 // Holds the index of the interval of rising `sums` that contains u, u's place in it, and the size of the interval.
@@ -257,7 +297,8 @@ Environment::Kept Environment::tabulate() const
         }
     table->texel_width = textures_->texel_width(image_);
     table->darkest = spread.darkest;
-    if (spread.is_even()) {
+    const auto cell_at = [&](int row, int column) { return cells[std::size_t(row * kColumns + column)].upto; };
+    if (spread.is_even() && !has_lamps_within_cells(*textures_, image_, spread.mean(), cell_at)) {
         cells.clear();
         rows.clear();
         // The means of the cells may be equal whatever lies in them.
@@ -266,7 +307,7 @@ Environment::Kept Environment::tabulate() const
     }
     add_light_from_beside(cells, total / (kColumns * kRows));
     // A floor keeps the density above zero where filtering brings light into a black cell.
-    const float floor = std::max(float(total / (kColumns * kRows)) * 0.05f, 1e-6f);
+    const float floor = std::max(float(total / (kColumns * kRows)) * float(kLeastShare), 1e-6f);
     for (int row = 0; row < kRows; ++row) {
         const std::span of_row(cells.data() + row * kColumns, std::size_t(kColumns));
         for (Sum& w : of_row) w.upto += floor;

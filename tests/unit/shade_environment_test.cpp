@@ -87,6 +87,26 @@ TEST(Environment, AnImageWithASmallBrightPatchIsSampled)
     EXPECT_GT(sky.environment.look_up({0, 1, 0}).density, 0);
 }
 
+// Scattered directions would find a lamp of one texel as seldom as it is small, and count it as often as it is bright,
+// though it adds too little light to make its cell uneven. The same light is even where it fills the cell.
+TEST(Environment, LampsThatAreSmallerThanACellAreSampled)
+{
+    constexpr int kWidth = 2048, kHeight = 512, kAcross = kWidth / 512, kDown = kHeight / 256;
+    const auto has_density = [](float lamp, int width, int height) {
+        const ImageSky sky(
+            [&](int x, int y) {
+                const int across = x % (kWidth / 8) - 32 * kAcross, down = y - kHeight / 2;
+                const bool is_lamp = across >= 0 && across < width && down >= 0 && down < height;
+                return Vec3f(is_lamp ? 1 + lamp : 1.0f);
+            },
+            kWidth, kHeight);
+        return sky.environment.has_density();
+    };
+    constexpr float kLight = 450;
+    EXPECT_TRUE(has_density(kLight, 1, 1));
+    EXPECT_FALSE(has_density(kLight / (kAcross * kDown), kAcross, kDown));
+}
+
 // The texel at the corner of a cell shines into three others. A sample counts its radiance over its density, and none counts
 // for many times the light of all.
 TEST(Environment, TheLightOfATexelAtTheBorderOfACellIsFound)
