@@ -65,6 +65,16 @@ Vec3f shining_normal(const Mat4d& m) noexcept
     return unit_or(glm::dot(n, in_range(Vec3d(m[2]))) < 0 ? n : -n, {0, 0, -1});
 }
 
+// Returns how far apart the cosines of a spot's two cones are. KHR_lights_punctual has them at least 0.001 apart, but with
+// that much a spot whose outer cone is narrower than 2.6 degrees would be dark also within its inner cone, down to its
+// middle: so an edge is made no softer than a sixteenth of the cone.
+float edge_of_spot(float cos_inner, float cos_outer) noexcept
+{
+    constexpr float kLeast = 0x1p-20f, kSoftest = 0.001f, kShareOfCone = 1.0f / 16;
+    const float least = std::clamp((1 - cos_outer) * kShareOfCone, kLeast, kSoftest);
+    return std::max(least, cos_inner - cos_outer);
+}
+
 void place_point(WorldLight& out, const PointLight& light, const FrameScale& scale)
 {
     out.kind = WorldLight::Kind::Point;
@@ -72,7 +82,7 @@ void place_point(WorldLight& out, const PointLight& light, const FrameScale& sca
     out.range = scale.to_frame(light.range);
     if (light.outer_angle < 3.1415f) {
         const float cos_outer = maths::cos(light.outer_angle);
-        out.spot_scale = 1 / std::max(0.001f, maths::cos(light.inner_angle) - cos_outer);
+        out.spot_scale = 1 / edge_of_spot(maths::cos(light.inner_angle), cos_outer);
         out.spot_offset = -cos_outer * out.spot_scale;
     }
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <occam/occam.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -33,6 +34,26 @@ std::vector<Light> lights_of_all_kinds()
         for (const Vec2f size : {Vec2f(1), Vec2f(0.5f, 40), Vec2f(1, 0), Vec2f(0), Vec2f(1e38f)})
             for (const bool two_sided : {false, true}) all.push_back({"area", AreaLight{shape, size, Vec3f(1), two_sided}});
     return all;
+}
+
+// What lights a small place from afar has a narrow cone.
+TEST(FarLights, NarrowSpotsAreFullInsideAndDarkOutside)
+{
+    for (const double outer : {0.009, 0.02, 0.04, 0.1, 0.5})
+        for (const double sharp : {0.0, 0.5, 0.9, 1.0}) {
+            PointLight spot{Vec3f(1)};
+            spot.outer_angle = static_cast<float>(outer);
+            spot.inner_angle = static_cast<float>(outer * sharp);
+            const WorldLight light = WorldLight::place({"", spot}, Mat4d(1));
+            const auto at = [&](double angle) {
+                const double x = std::tan(angle * outer);
+                return double(light.sample({x, 0, -1}, {}).radiance.x) * (1 + x * x);
+            };
+            const double accuracy = 2e-7 / (outer * outer);  // steps of floats are 6e-8, and cones 0.5 outer^2 wide
+            EXPECT_NEAR(at(0), 1, accuracy) << outer << " " << sharp;
+            EXPECT_NEAR(at(0.96 * std::min(sharp, 0.99)), 1, accuracy) << outer << " " << sharp;
+            EXPECT_EQ(at(1.1), 0) << outer << " " << sharp;
+        }
 }
 
 TEST(FarLights, SampleOfAnyDistanceIsANumberAndHasTheBitsOfALane)
