@@ -115,11 +115,12 @@ Answers answers_by_restarts(accel::Tracer& whole, std::span<const accel::Ray> ra
             accel::SurfaceHit hit;
             whole.closest({&ray, 1}, {&hit, 1});
             if (!hit.is_hit()) break;
-            ray.t_near = accel::behind(hit.t);
             const lod::VertexToShade at{{hit.uv[0], hit.uv[1]}, {}};
             const bool is_hole = (hit.back_side && checks.hides_back(*hit.material)) ||
                                  (hit.material->alpha_mode == AlphaMode::Mask &&
                                   checks.is_hole(*hit.material, at, hit.color));
+            // Another surface may lie within rounding behind a hole, and counts.
+            ray.t_near = is_hole ? hit.t : accel::behind(hit.t);
             holes += is_hole;
             if (is_hole) continue;
             if (n == 0) {
